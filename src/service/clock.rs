@@ -1,7 +1,7 @@
-//! The service's clock: seconds since the service started, and the time of the wall.
+//! The service's clock: seconds since the service started, and the wall-clock time.
 //!
-//! Whoever asks for the time has a [`ServiceClock`]. A simulated one stands still until somebody moves
-//! it on, so that what depends on time can be run step by step.
+//! All code that needs the time uses a [`ServiceClock`]. A simulated one stands still until it is advanced, so
+//! that time-dependent code can be run step by step.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::SeqCst};
@@ -15,22 +15,22 @@ pub struct ServiceClock(Source);
 
 #[derive(Clone, Debug)]
 enum Source {
-    /// The system's monotonic clock, and its reading at the start, ns.
+    /// The system's monotonic clock; `start` is its reading at the start, ns.
     System {
         start: i128,
     },
     Simulated(Arc<Simulated>),
 }
 
-/// Both times as bits of a number.
+/// Both times as bits of a floating-point number.
 #[derive(Debug)]
 struct Simulated {
     now: AtomicU64,
-    /// Time of the wall when `now` was 0, seconds since 1970.
+    /// Wall-clock time when `now` was 0, seconds since 1970.
     wall: AtomicU64,
 }
 
-/// Moves a simulated clock.
+/// Advances a simulated clock.
 #[derive(Clone, Debug)]
 pub struct SimulatedTime(Arc<Simulated>);
 
@@ -41,7 +41,8 @@ impl ServiceClock {
         Self(Source::System { start })
     }
 
-    /// A clock that stands at 0 while the wall shows `unix_time` (seconds since 1970), and what moves it.
+    /// A clock that stands at 0 while the wall clock shows `unix_time` (seconds since 1970), and the handle
+    /// that advances it.
     ///
     /// # Example
     /// ```
@@ -68,7 +69,7 @@ impl ServiceClock {
         }
     }
 
-    /// Seconds since 1970 by the wall's clock, which may jump: for people, never for control.
+    /// Seconds since 1970 by the wall clock, which may jump: for display only, never for control.
     pub fn unix_time(&self) -> f64 {
         match &self.0 {
             Source::System { .. } => {
@@ -79,8 +80,8 @@ impl ServiceClock {
         }
     }
 
-    /// Sleeps until `time` (s): an absolute sleep, so that what came before does not add up. A simulated
-    /// clock is moved on to that time instead.
+    /// Sleeps until `time` (s): an absolute sleep, so that delays do not accumulate. A simulated clock is
+    /// advanced to that time instead.
     pub fn sleep_until(&self, time: f64) {
         match &self.0 {
             Source::System { start } => self.sleep(start + (time * 1e9) as i128, time),
@@ -94,7 +95,7 @@ impl ServiceClock {
             return;
         };
         let until = Timespec { tv_sec, tv_nsec };
-        // A signal ends the sleep early; then there is a rest to sleep.
+        // A signal ends the sleep early; then it sleeps on.
         while clock_nanosleep_absolute(ClockId::Monotonic, &until).is_err() && self.now() < time {}
     }
 }
@@ -106,7 +107,7 @@ impl SimulatedTime {
         self.0.now.store(later.to_bits(), SeqCst);
     }
 
-    /// Sets the wall's clock on by so many seconds, or back.
+    /// Moves the wall clock forward by so many seconds, or back.
     pub fn jump_wall(&self, by: f64) {
         let jumped = read(&self.0.wall) + by;
         self.0.wall.store(jumped.to_bits(), SeqCst);

@@ -1,5 +1,5 @@
-//! What shaping is for, on the simulated arm: the same move unshaped, shaped for a wrong mode, and shaped for the mode
-//! that was learned meanwhile.
+//! Demonstration of shaping on the simulated arm: the same move unshaped, shaped for a wrong mode, and shaped
+//! for the mode that was learned in the meantime.
 
 use std::time::Duration;
 
@@ -7,16 +7,16 @@ use super::contract::{
     Accepted, Handle, ModeValue, Phase, Request, ServiceError, ShapingChange, Snapshot,
 };
 
-/// Where the moves lead to and fro, rad.
+/// Ends of the moves, rad.
 const ENDS: [f64; 2] = [core::f64::consts::FRAC_PI_6, 0.0];
-/// How wrong the belief is: by a quarter, as `quell move` supposes.
+/// Error of the belief: a quarter, as `quell move` assumes.
 const WRONG: f64 = 1.25;
-/// How often it is looked whether a move is over.
+/// Interval of the checks whether a move is over.
 const LOOKED: Duration = Duration::from_millis(20);
-/// A move that takes longer was stopped by somebody.
+/// A move that takes longer was stopped by a user.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Whether the robot is the simulated arm, the only one that moves without a person beside it.
+/// Checks that the robot is the simulated arm, the only one that may move without a person beside it.
 ///
 /// # Errors
 /// [`ServiceError::OnlyEmbedded`] for another one.
@@ -29,8 +29,8 @@ pub fn check(handle: &Handle) -> Result<(), ServiceError> {
     }
 }
 
-/// Runs it: unshaped, wrong belief, adapting, adapted. It enables moves, as whoever asks for it wants, and ends early
-/// where somebody stops or disables.
+/// Runs the demonstration: unshaped, wrong belief, adapting, adapted. It enables moves, as its request implies,
+/// and ends early if a user stops or disables.
 ///
 /// # Errors
 /// The error of a request that is refused; that of [`check`].
@@ -75,7 +75,7 @@ pub async fn run(handle: &Handle) -> Result<(), ServiceError> {
     Ok(())
 }
 
-/// Whether all rests, and what this move left is told.
+/// Whether everything rests, and the result of this move is published.
 fn rests(snapshot: &Snapshot, id: u64) -> bool {
     let told = id == 0 || snapshot.moves.iter().any(|done| done.id == id);
     told && snapshot

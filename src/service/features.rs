@@ -1,4 +1,4 @@
-//! The optional features of the service; of each there is a stand-in for builds without it.
+//! The optional features of the service; each has a stand-in for builds without it.
 
 use std::io;
 use std::net::SocketAddr;
@@ -9,16 +9,16 @@ use super::contract::Handle;
 use super::link::RobotLink;
 use super::station::StartError;
 
-/// A bridge beside a robot's link that asks for moves, begun once there is somebody to ask.
+/// A bridge that requests moves for a robot's link; it is started once requests can be answered.
 pub type Companion = Box<dyn FnOnce(Handle) -> io::Result<Box<dyn Send>>>;
 
 /// Whether a link over Zenoh is part of this build.
 pub const ZENOH: bool = cfg!(feature = "zenoh");
 
-/// The live view of Foxglove, and where it listens.
+/// The live view of Foxglove, and its address.
 ///
 /// # Errors
-/// [`StartError`] where the address is not to be had, or the view is not part of this build.
+/// [`StartError`] where the address is not available, or the view is not part of this build.
 #[cfg(feature = "foxglove")]
 pub fn live_view(
     address: SocketAddr,
@@ -34,7 +34,7 @@ pub fn live_view(
     Ok((server.address(), Box::new(server)))
 }
 
-/// There is none in this build.
+/// Stand-in: not part of this build.
 ///
 /// # Errors
 /// [`StartError::NotBuilt`], always.
@@ -50,7 +50,7 @@ pub fn live_view(
     })
 }
 
-/// The link to a robot on ROS 2 over Zenoh, and what hears its trajectories.
+/// The link to a robot on ROS 2 over Zenoh, and the receiver of its trajectories.
 ///
 /// # Errors
 /// [`StartError`] where Zenoh refuses, or is not part of this build.
@@ -73,7 +73,7 @@ pub fn over_zenoh(
     Ok((Box::new(link), Box::new(companion)))
 }
 
-/// There is none in this build.
+/// Stand-in: not part of this build.
 ///
 /// # Errors
 /// [`StartError::NotBuilt`], always.
@@ -88,7 +88,7 @@ pub fn over_zenoh(
 /// A publisher of estimates and trains at a NATS server.
 ///
 /// # Errors
-/// [`StartError`] where the address is none, or this is not part of this build.
+/// [`StartError`] where the address is invalid, or this is not part of this build.
 #[cfg(feature = "nats")]
 pub fn telemetry(config: &NatsConfig, handle: &Handle) -> Result<Box<dyn Send>, StartError> {
     let telemetry = super::telemetry::Telemetry::start(config, handle);
@@ -99,7 +99,7 @@ pub fn telemetry(config: &NatsConfig, handle: &Handle) -> Result<Box<dyn Send>, 
     Ok(Box::new(telemetry))
 }
 
-/// There is none in this build.
+/// Stand-in: not part of this build.
 ///
 /// # Errors
 /// [`StartError::NotBuilt`], always.

@@ -1,7 +1,7 @@
-//! A live view for Foxglove: what each joint is commanded and does, and what its moves left.
+//! A live view for Foxglove: command and motion of each joint, and the residual vibration of its moves.
 //!
-//! Two channels a joint, in JSON: `/quell/<joint>` has a [`Frame`] each 5 ms, `/quell/<joint>/moves` a
-//! [`MoveResult`] after each move. Who does not keep up loses the oldest, and nobody waits.
+//! Each joint has two channels, in JSON: `/quell/<joint>` has a [`Frame`] every 5 ms, `/quell/<joint>/moves` a
+//! [`MoveResult`] after each move. A client that is too slow loses the oldest messages; nothing waits for it.
 //!
 //! Source: Foxglove, WebSocket protocol, subprotocol `foxglove.sdk.v1`.
 
@@ -23,7 +23,7 @@ use super::contract::{Batch, Event, Frame, Handle, KnownMode, ModeValue, MoveRes
 /// Time between two frames of a joint, s: a screen shows every third.
 const INTERVAL: f64 = 0.005;
 
-/// A server that runs for as long as this is held.
+/// A server that runs until this is dropped.
 pub struct FoxgloveServer {
     address: SocketAddr,
     ending: Option<oneshot::Sender<()>>,
@@ -34,7 +34,7 @@ impl FoxgloveServer {
     /// Starts the server; port 0 takes a free one.
     ///
     /// # Errors
-    /// The system's error, as where the port is taken.
+    /// The system's error, for example if the port is in use.
     pub fn start(
         address: SocketAddr,
         joints: &[String],
@@ -66,7 +66,7 @@ impl FoxgloveServer {
         })
     }
 
-    /// Where it listens.
+    /// Its address.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
@@ -74,7 +74,7 @@ impl FoxgloveServer {
 
 impl Drop for FoxgloveServer {
     fn drop(&mut self) {
-        // The thread ends where its end of the channel is alone.
+        // The thread ends once its channel is closed.
         self.ending = None;
         if let Some(thread) = self.thread.take() {
             // If it panicked, that was reported when it did.
@@ -134,7 +134,7 @@ impl Channels {
     }
 }
 
-/// The JSON schema of what an example holds, in which nothing is left out.
+/// The JSON schema of an example in which no field is left out.
 fn schema(name: &str, example: &impl Serialize) -> Schema {
     fn kind(value: &Value) -> Value {
         match value {
@@ -157,7 +157,7 @@ fn schema(name: &str, example: &impl Serialize) -> Schema {
     Schema::new(name, "jsonschema", kind(&example).to_string().into_bytes())
 }
 
-/// The content that the server shows.
+/// The state of the server.
 struct View {
     channels: Vec<Channels>,
     stream: broadcast::Receiver<Arc<Batch>>,
@@ -178,7 +178,7 @@ async fn serve(
     let server = match server.start().await {
         Ok(server) => server,
         Err(error) => {
-            // Whoever started this waits for the word.
+            // The caller of `start` waits for this message.
             let _ = started.send(Err(io::Error::other(error)));
             return;
         }
@@ -218,7 +218,7 @@ impl View {
 
     fn log(&self, channel: &RawChannel, what: &impl Serialize, unix_time: f64) {
         let time = PartialMetadata::with_log_time((unix_time * 1e9) as u64);
-        // Plain numbers and words always have a text.
+        // Numbers and strings always serialise.
         if let Ok(text) = serde_json::to_vec(what) {
             channel.log_with_meta(&text, time);
         }

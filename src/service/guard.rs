@@ -1,10 +1,11 @@
-//! Sensors that are stuck, saturated, or jump: their samples are refused, and what was learned stays.
+//! Plausibility checks of sensors: samples of a stuck, saturated or jumping sensor are refused, and learned
+//! modes are kept.
 
 use quell_trajectories::Limits;
 
 use crate::service::contract::{Measured, Quantity};
 
-/// Quantities that are watched, in the order of [`Guard`]'s table.
+/// Quantities that are checked, in the order of [`Guard`]'s table.
 const QUANTITIES: [Quantity; 5] = [
     Quantity::MotorPosition,
     Quantity::LinkPosition,
@@ -12,18 +13,17 @@ const QUANTITIES: [Quantity; 5] = [
     Quantity::TipPosition,
     Quantity::TipAcceleration,
 ];
-/// Exactly equal readings in succession, while the joint's motion must change them, from which a sensor
-/// counts as stuck. One whose noise is above its step repeats itself at most every other time: 2^-32
-/// by chance.
+/// Number of equal successive readings, while the joint's motion must change them, from which a sensor counts
+/// as stuck. A sensor whose noise exceeds its step repeats itself at most every other time: 2^-32 by chance.
 const STUCK: u32 = 32;
-/// Speed from which a position must change, as a share of its limit, and change of the acceleration
-/// over a tick from which a deformation must, as a share of what the jerk's limit allows: below, a
-/// sensor may repeat itself for as long as its step lasts.
+/// Speed, as a share of its limit, at which a position must change; and change of the acceleration over a tick,
+/// as a share of what the jerk limit allows, at which a deformation must change. Below them a sensor may repeat
+/// itself within its step.
 const MOVING: f64 = 0.05;
-/// Speed of a reading above the joint's limit that is a jump, not a motion: a link that swings against
+/// Speed of a reading, relative to the joint's limit, that is a jump, not a motion: a link that swings against
 /// the motion is at most twice as fast as the motor side.
 const JUMP: f64 = 4.0;
-/// Seconds without a fault after which a sensor is believed again.
+/// Seconds without a fault after which a sensor is trusted again.
 const RECOVERY: f64 = 0.5;
 /// Weight of a new gap in the mean of the gaps.
 const RATE_WEIGHT: f64 = 0.02;
@@ -35,9 +35,9 @@ pub enum Fault {
     Stuck,
     /// The reading is at the end of the sensor's scale.
     Saturated,
-    /// The reading has gone further than the joint can have.
+    /// The reading has changed by more than the joint can have moved.
     Jump,
-    /// The reading is no number.
+    /// The reading is not finite.
     NotFinite,
 }
 
@@ -56,7 +56,7 @@ impl Fault {
     }
 }
 
-/// The guard's memory of one sensor.
+/// State of one sensor in the guard.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SensorReport {
     /// Samples taken and refused.
@@ -71,14 +71,14 @@ pub struct SensorReport {
     pub rate: f64,
 }
 
-/// The guard's memory of the sensors of a joint.
+/// State of a joint's sensors in the guard.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GuardReport {
     sensors: [SensorReport; QUANTITIES.len()],
 }
 
 impl GuardReport {
-    /// The sensors that have said anything.
+    /// The sensors that have sent any sample.
     pub fn sensors(&self) -> impl Iterator<Item = (Quantity, &SensorReport)> {
         let all = QUANTITIES.into_iter().zip(&self.sensors);
         all.filter(|(_, sensor)| sensor.samples > 0)
@@ -109,7 +109,7 @@ pub struct Bounds {
     pub resolution: f64,
 }
 
-/// How a joint is commanded to move.
+/// The commanded motion of a joint.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CommandedMotion {
     /// Velocity, rad/s.
@@ -129,7 +129,7 @@ pub struct Guard {
 }
 
 impl Guard {
-    /// A guard that has seen nothing.
+    /// A guard without samples.
     pub fn new(bounds: Bounds) -> Self {
         Self {
             bounds,
@@ -145,7 +145,7 @@ impl Guard {
         &self.report
     }
 
-    /// Whether a sample may be used, while the joint is commanded to move as `motion` says.
+    /// Whether a sample may be used, given the commanded motion.
     pub fn admits(&mut self, measured: &Measured, motion: CommandedMotion) -> bool {
         let Some(index) = QUANTITIES.iter().position(|&q| q == measured.quantity) else {
             return false;
@@ -156,7 +156,7 @@ impl Guard {
             sensor.heard = measured.received;
             sensor.refused[Fault::NotFinite as usize] += 1;
             sensor.fault = Some(Fault::NotFinite);
-            // Its stamp may be damaged, too: the last good one counts.
+            // Its stamp may be wrong, too: the last good one counts.
             let stamp = self.last[index].map_or(f64::NEG_INFINITY, |last| last.stamp);
             self.faulty_until[index] = stamp + RECOVERY;
             return false;
@@ -186,7 +186,7 @@ impl Guard {
         sensor.fault.is_none()
     }
 
-    /// Forgets the last samples and their faults, as after somebody has seen to them.
+    /// Discards the last samples and their faults, for example after a repair.
     pub fn restart(&mut self) {
         self.last = [None; QUANTITIES.len()];
         self.equal = [0; QUANTITIES.len()];

@@ -1,4 +1,4 @@
-//! Has states kept as they come, on a disk that may refuse them for a while.
+//! Saves states to a disk that may refuse them for a while.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
@@ -6,22 +6,22 @@ use std::time::Duration;
 use super::clock::ServiceClock;
 use super::state::{State, StateFile};
 
-/// How long after a failure a state is tried to be written again.
+/// Interval of retries after a failed write.
 const AGAIN: Duration = Duration::from_secs(1);
 
-/// Keeps states, always the newest. One that the disk refuses is tried again every second.
+/// Saves states, always the newest. A failed write is repeated every second.
 pub struct Keeper {
     file: StateFile,
     states: Receiver<State>,
     clock: ServiceClock,
-    /// The refusals of the disk.
+    /// A state that could not be written yet.
     unsaved: Option<State>,
-    /// When it was refused last, s.
+    /// Time of the last failed write, s.
     refused: f64,
 }
 
 impl Keeper {
-    /// One that has kept nothing yet.
+    /// A keeper that has saved nothing yet.
     pub fn new(file: StateFile, states: Receiver<State>, clock: ServiceClock) -> Self {
         Self {
             file,
@@ -32,7 +32,7 @@ impl Keeper {
         }
     }
 
-    /// Keeps what comes until nobody sends any more; what is unsaved then is tried once more.
+    /// Saves arriving states until the sender is gone; an unsaved state is then tried once more.
     pub fn run(mut self) {
         loop {
             let next = match self.unsaved {
@@ -52,7 +52,7 @@ impl Keeper {
         }
     }
 
-    /// Keeps what has come, or tries again what was refused: what [`Keeper::run`] does, without waiting.
+    /// One pass of [`Keeper::run`], without waiting.
     pub fn work(&mut self) {
         if let Ok(state) = self.states.try_recv() {
             return self.keep(state);
@@ -65,7 +65,7 @@ impl Keeper {
 
     fn keep(&mut self, state: State) {
         let newest = self.states.try_iter().last().unwrap_or(state);
-        // The disk says what is wrong with it.
+        // The disk keeps its own error.
         let refused = self.file.save(&newest).is_err();
         self.unsaved = refused.then_some(newest);
         if refused {

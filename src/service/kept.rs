@@ -1,4 +1,4 @@
-//! The data that outlives the process, opened together: state and recordings, brought in line with one another.
+//! State and recordings, the data that outlive the process, opened together and made consistent.
 
 use std::sync::Arc;
 
@@ -9,20 +9,20 @@ use super::state::{State, StateFile};
 
 /// State and recordings of a data folder.
 pub struct Kept {
-    /// The recordings; none where nothing is recorded.
+    /// The recordings; `None` if recording is off.
     pub shelf: Option<Arc<Shelf>>,
-    /// Where the state is kept.
+    /// The file of the state.
     pub file: StateFile,
-    /// The state, which names no recording that is not there.
+    /// The state; it names existing recordings only.
     pub state: State,
 }
 
 impl Kept {
-    /// Opens what a configuration names. Recordings first: what an earlier life of the service left
-    /// unfinished is put in order before the state is asked which recordings it names.
+    /// Opens the data of a configuration. The recordings come first: those that an earlier process left
+    /// unfinished are put in order before the state is compared with them.
     ///
     /// # Errors
-    /// [`ShelfError::Disk`] where the folder of recordings cannot be made or read.
+    /// [`ShelfError::Disk`] where the folder of recordings cannot be created or read.
     pub fn open(config: &Config, disk: &Disk) -> Result<Self, ShelfError> {
         let recording = &config.recording;
         let bounds = Bounds {

@@ -1,7 +1,7 @@
-//! Learns the modes of the joints from their moves, and solves trains for the next ones.
+//! Learns the modes of the joints from their moves, and solves trains for the next moves.
 //!
-//! It runs beside the engine, which does not wait for it: a fit takes from a few milliseconds to some tenths of a second. Nothing
-//! here is reached by the tick.
+//! It runs beside the engine, which does not wait for it: a fit takes from a few milliseconds to some tenths of
+//! a second. The tick does not depend on it.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -18,7 +18,7 @@ use crate::learning::{
 
 use crate::tolerance::{Moving, Tolerance, ToleranceError, fastest};
 
-/// Positions at which a map is drawn.
+/// Number of positions of a map.
 const DRAWN: usize = 64;
 
 /// Engine to learner. Joints are counted from 0.
@@ -27,15 +27,15 @@ pub enum Job {
     Prescribe(Box<Wanted>),
     /// Solve a move within a tolerance.
     Within(Box<Within>),
-    /// Look at a move along its way.
+    /// Evaluate a move during its motion.
     Along(Box<Along>),
-    /// A move has rung out.
+    /// A move has ended and its vibration has decayed.
     Ended(Box<Ended>),
     /// Forget a joint.
     Forget(usize),
 }
 
-/// A plan that wants a train.
+/// A plan for which a train is wanted.
 pub struct Wanted {
     /// The joint.
     pub joint: usize,
@@ -43,27 +43,27 @@ pub struct Wanted {
     pub ticket: u64,
     /// The plan.
     pub plan: SampledTrajectory,
-    /// The rest of what there is along its way.
+    /// Conditions along its way besides the joint itself.
     pub surroundings: Surroundings,
-    /// The train that it meets where none is prescribed.
+    /// The train of the plan if none is prescribed.
     pub in_force: GridTrain,
-    /// The train without any adaptation.
+    /// The train without adaptation.
     pub base: GridTrain,
-    /// Whether the plan may be stopped anywhere on its way, as a jog.
+    /// Whether the plan may be stopped anywhere on its way, as in a jog.
     pub anywhere: bool,
 }
 
-/// A move along its way.
+/// A move during its motion.
 pub struct Along {
     /// The joint.
     pub joint: usize,
     /// Number of the question.
     pub ticket: u64,
-    /// Its samples up to now.
+    /// Its samples so far.
     pub heard: Vec<Sample>,
     /// The plan.
     pub plan: SampledTrajectory,
-    /// The rest of what there is along its way.
+    /// Conditions along its way besides the joint itself.
     pub surroundings: Surroundings,
     /// The train in force.
     pub in_force: GridTrain,
@@ -75,7 +75,7 @@ pub struct Within {
     pub ticket: u64,
     /// Its joints.
     pub members: Vec<Member>,
-    /// What it may leave.
+    /// The allowed residual and deviation.
     pub tolerance: Tolerance,
     /// Control period, s.
     pub period: f64,
@@ -87,9 +87,9 @@ pub struct Member {
     pub joint: usize,
     /// Its plan at the limits.
     pub plan: SampledTrajectory,
-    /// The rest of what there is along its way.
+    /// Conditions along its way besides the joint itself.
     pub surroundings: Surroundings,
-    /// Its ends and limits, with the mode that is known in motion.
+    /// Its ends and limits, with the mode that is known during motion.
     pub moving: Moving,
 }
 
@@ -103,17 +103,17 @@ pub struct Ended {
     pub heard: Vec<Sample>,
     /// Its plan.
     pub plan: SampledTrajectory,
-    /// The rest of what there was along its way.
+    /// Conditions along its way besides the joint itself.
     pub surroundings: Surroundings,
     /// Planned positions, one each control period, rad.
     pub planned: Vec<f64>,
     /// Stamps and deformations in each stretch in which the command did not accelerate.
     pub cruise: Vec<Vec<(f64, f64)>>,
-    /// The same after the command had come to rest and the motor side had followed.
+    /// The same after the command had stopped and the motor side had followed.
     pub after: Vec<(f64, f64)>,
-    /// Whether something is learned from it; else it is only judged.
+    /// Whether the learner learns from it; otherwise it is only judged.
     pub teaches: bool,
-    /// Whether it was made with the train that was prescribed last.
+    /// Whether it used the train that was prescribed last.
     pub prescribed: bool,
 }
 
@@ -125,38 +125,38 @@ pub enum Said {
         joint: usize,
         /// Number of the plan.
         ticket: u64,
-        /// What is in force for it.
+        /// The prescription for it.
         prescription: Box<Prescription>,
     },
-    /// What a move says along its way; none where nothing is to be changed.
+    /// The evaluation of a move during its motion; no prescription if nothing is to be changed.
     Along {
         /// The joint.
         joint: usize,
         /// Number of the question.
         ticket: u64,
-        /// What to go on with.
+        /// The prescription for the rest of the move.
         prescription: Option<Box<Prescription>>,
     },
-    /// The move within a tolerance, or why there is none.
+    /// The move within a tolerance, or the reason why there is none.
     Within {
         /// Number of the move.
         ticket: u64,
-        /// What it was solved for, joint by joint.
+        /// The conditions of the solution, joint by joint.
         moving: Vec<Moving>,
         /// The motion of each joint.
         found: Result<Vec<SampledTrajectory>, ToleranceError>,
     },
     /// A move was judged.
     Judged(Box<Judged>),
-    /// What is known of a joint now.
+    /// The present knowledge of a joint.
     Known {
         /// The joint.
         joint: usize,
-        /// Its modes.
+        /// Number of its modes.
         modes: usize,
-        /// To be kept.
+        /// For storage.
         memory: Memory,
-        /// To be shown.
+        /// For display.
         map: Arc<JointMap>,
     },
 }
@@ -167,13 +167,13 @@ pub struct Judged {
     pub joint: usize,
     /// Number of the move.
     pub id: u64,
-    /// Its account, where its modes explain it.
+    /// Its account, if its modes explain it.
     pub account: Option<Account>,
-    /// The modes that are known on its way.
+    /// The known modes on its way.
     pub modes: Vec<ModeOnWay>,
 }
 
-/// A joint before it has learned anything.
+/// A joint that is to learn.
 pub struct Pupil {
     /// Name.
     pub name: String,
@@ -181,7 +181,7 @@ pub struct Pupil {
     pub settings: LearnerSettings,
     /// Lowest and highest target, rad.
     pub range: [f64; 2],
-    /// What was kept of it.
+    /// Stored knowledge of it.
     pub memory: Option<Memory>,
 }
 
@@ -192,7 +192,7 @@ pub struct Learners {
     said: Sender<Said>,
 }
 
-/// The engine's end of the learners.
+/// The engine's end of the channels to the learners.
 pub struct Lessons {
     /// To the learners.
     pub jobs: Sender<Job>,
@@ -201,7 +201,7 @@ pub struct Lessons {
 }
 
 impl Learners {
-    /// Learners that know what was kept, and the engine's end of them.
+    /// Learners with their stored knowledge, and the engine's end of the channels.
     pub fn new(pupils: Vec<Pupil>) -> (Self, Lessons) {
         let ((jobs, taken), (told, said)) = (channel(), channel());
         let joints = pupils.into_iter().map(|mut pupil| {
@@ -230,7 +230,7 @@ impl Learners {
         }
     }
 
-    /// Does what is to be done now: what [`Learners::run`] does, without waiting.
+    /// One pass of [`Learners::run`], without waiting.
     pub fn work(&mut self) {
         while let Ok(job) = self.jobs.try_recv() {
             self.do_one(job);
@@ -247,7 +247,7 @@ impl Learners {
                     true => learner.prescribe_anywhere(plan, around, &wanted.in_force),
                     false => learner.prescribe(plan, around, &wanted.in_force),
                 };
-                // The engine may have gone, here and below.
+                // The engine may have ended, here and below.
                 let _ = self.said.send(Said::Prescribed {
                     joint: wanted.joint,
                     ticket: wanted.ticket,
@@ -273,7 +273,7 @@ impl Learners {
         }
     }
 
-    /// Solves a move within a tolerance, for the modes of its ways where they are known.
+    /// Solves a move within a tolerance, with the modes of its ways if they are known.
     fn within(&self, within: Within) {
         let each = within.members.into_iter().map(|member| {
             let (learner, _) = &self.joints[member.joint];
@@ -299,7 +299,7 @@ impl Learners {
             learner.withdraw();
         }
         let mut aside;
-        // Who only judges goes on knowing what was known.
+        // A move that is only judged does not change the knowledge.
         let learner = match ended.teaches {
             true => learner,
             false => {

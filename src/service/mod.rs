@@ -1,7 +1,7 @@
-//! The service: commands a real robot in real time, learns its modes, and tells what it does.
+//! The service: commands a real robot in real time, learns its modes, and reports.
 //!
-//! [`contract`] is all that the outside sees of the engine: [`http`] with the page, the [`recorder`],
-//! and the [`jobs`] that diagnose what was recorded.
+//! [`contract`] is all that other parts see of the engine: [`http`] with the page, the [`recorder`], and the
+//! [`jobs`] that diagnose recordings.
 
 pub mod between;
 pub mod bridged;

@@ -1,17 +1,17 @@
-//! The residual vibration of a move: measured after its end, and as it would have been unshaped.
+//! The residual vibration of a move: measured after its end, and as it would be without shaping.
 
 use nalgebra::Complex;
 use quell_shapers::Mode;
 
 /// Periods after the end of a command in which the amplitude is measured.
 const PERIODS: f64 = 2.0;
-/// Frequencies beside the believed one that are tried where it is not sure, and their ratio: the ends
-/// are half and twice the belief, and neighbours differ by less than what two periods resolve.
+/// Number of frequencies to either side of the believed one that are tried if it is uncertain, and their ratio.
+/// The ends are half and twice the belief, and neighbours are nearer than the resolution of two periods.
 const TRIED: i32 = 14;
 const RATIO: f64 = 1.05;
-/// Change of a tick's increment that is rounding of positions, rad.
+/// Change of a tick's increment that may be rounding of positions, rad.
 pub const STEADY: f64 = 1e-12;
-/// Samples that a fit of four numbers needs so that noise is averaged.
+/// Fewest samples for a fit of four numbers that averages the noise.
 const FEWEST: usize = 12;
 
 /// Amplitude of a decaying oscillation at the first sample, in the samples' unit; `None` where there
@@ -31,7 +31,7 @@ pub fn amplitude(samples: &[(f64, f64)], mode: Mode, sure: bool) -> Option<f64> 
     Some(best.amplitude)
 }
 
-/// The largest [`amplitude`] of any two periods of a stretch, looked at each period.
+/// The largest [`amplitude`] over any two periods of a stretch, in steps of a period.
 pub fn largest(samples: &[(f64, f64)], mode: Mode, sure: bool) -> Option<f64> {
     let (first, last) = (samples.first()?.0, samples.last()?.0);
     let periods = ((last - first) / mode.damped_period()) as usize;
@@ -81,11 +81,11 @@ fn fit(samples: &[(f64, f64)], mode: Mode) -> Option<Fit> {
     })
 }
 
-/// Amplitude of the deformation that planned positions (one a tick of `period` s, from rest) leave in
-/// a mode at their last tick, were they sent as they are and followed exactly, in their unit.
+/// Residual amplitude of the deformation in a mode after planned positions (one a tick of `period` s, from
+/// rest), if they were sent unshaped and followed exactly; in their unit, at their last tick.
 ///
-/// `|sum du_k exp(lambda (t - t_k))|` with `lambda = -xi w + j w_d`: a step of the motor side leaves
-/// its own height.
+/// `|sum du_k exp(lambda (t - t_k))|` with `lambda = -xi w + j w_d`: a step of the motor side leaves an
+/// amplitude of its own height.
 pub fn unshaped(planned: &[f64], period: f64, mode: Mode) -> f64 {
     let (envelope, angle) = (
         (-mode.decay_rate() * period).exp(),
@@ -100,10 +100,10 @@ pub fn unshaped(planned: &[f64], period: f64, mode: Mode) -> f64 {
     re.hypot(im)
 }
 
-/// The largest amplitude that planned positions make beside their acceleration, as [`unshaped`] has it: in cruise
-/// and at the end.
+/// The largest vibration amplitude of planned positions without acceleration, as in [`unshaped`]: in cruise and
+/// at the end.
 ///
-/// A velocity of `du` a tick forces `du / (1 - exp(lambda T))`: that is no vibration.
+/// A velocity of `du` a tick also causes a constant part of `du / (1 - exp(lambda T))`, which is no vibration.
 pub fn unshaped_in_all(planned: &[f64], period: f64, mode: Mode) -> f64 {
     let pole = Complex::new(-mode.decay_rate(), mode.damped_frequency()) * period;
     let turn = pole.exp();

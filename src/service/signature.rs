@@ -1,4 +1,4 @@
-//! Signed datagrams: HMAC-SHA256 by a key that both sides hold, and each sequence number only once.
+//! Signed datagrams: HMAC-SHA256 with a shared key; each sequence number is accepted only once.
 
 use hmac::{Hmac, Mac};
 use sha2::Sha256;
@@ -6,26 +6,25 @@ use sha2::Sha256;
 /// The text before and after the signature, at the end of a datagram.
 const BEFORE: &[u8] = b",\"sig\":\"";
 const AFTER: &[u8] = b"\"}";
-/// Bytes of a signature, and characters of it in a datagram.
+/// Bytes of a signature, and its characters in a datagram.
 const BYTES: usize = 32;
 const DIGITS: usize = 2 * BYTES;
-/// Bytes of all that: what a signature adds, less the brace that it replaces, is one less.
+/// Length of the whole trailer. A signature adds one byte less, since it replaces the closing brace.
 const TRAILER: usize = BEFORE.len() + DIGITS + AFTER.len();
-/// Sequence numbers this far behind the newest can still come, once: datagrams overtake each other.
+/// Sequence numbers at most this far behind the newest are accepted, once: datagrams may overtake each other.
 const WINDOW: u64 = 64;
 
 /// The key of a link.
 ///
-/// A datagram is signed over all its bytes before `,"sig":"`, and ends with the signature as 64
-/// hexadecimal digits and `"}`: it stays one JSON object, and whoever signs needs no rule of how to
-/// write JSON.
+/// A datagram is signed over all bytes before `,"sig":"`, and ends with the signature as 64 hexadecimal digits
+/// and `"}`. So it stays one JSON object, and the sender needs no canonical form of JSON.
 ///
 /// Source: HMAC, RFC 2104, with SHA-256, FIPS 180-4.
 #[derive(Clone)]
 pub struct Key(Hmac<Sha256>);
 
 impl std::fmt::Debug for Key {
-    /// Says nothing of the key.
+    /// Does not show the key.
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.write_str("Key")
     }
@@ -37,7 +36,7 @@ impl Key {
         Hmac::new_from_slice(secret.as_bytes()).ok().map(Self)
     }
 
-    /// Signs the object in the first `length` bytes of a buffer, which end with `}`; gives the new
+    /// Signs the object in the first `length` bytes of a buffer, which must end with `}`; returns the new
     /// length. No allocation. `None` where the buffer is too short.
     pub fn sign(&self, buffer: &mut [u8], length: usize) -> Option<usize> {
         let signed = length.checked_sub(1)?;
@@ -54,8 +53,7 @@ impl Key {
         Some(signed + TRAILER)
     }
 
-    /// Whether a datagram is signed by this key. The time that it takes does not depend on how much
-    /// of the signature is right.
+    /// Whether a datagram is signed with this key. The comparison takes constant time.
     pub fn has_signed(&self, datagram: &[u8]) -> bool {
         let Some((message, trailer)) = datagram.split_last_chunk::<TRAILER>() else {
             return false;
@@ -87,7 +85,7 @@ fn value(digit: u8) -> Option<u8> {
     char::from(digit).to_digit(16).map(|value| value as u8)
 }
 
-/// Which sequence numbers have come: each is taken once, and those far behind the newest never.
+/// Replay protection: each sequence number is accepted once, and those far behind the newest never.
 ///
 /// Source: S. Kent, RFC 4303 (2005), section 3.4.3.
 #[derive(Clone, Copy, Debug, Default)]
@@ -98,7 +96,7 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Whether a number is new; it counts as seen from now on.
+    /// Whether a number is new; it is marked as seen.
     pub fn admits(&mut self, number: u64) -> bool {
         let Some(newest) = self.newest else {
             (self.newest, self.seen) = (Some(number), 1);

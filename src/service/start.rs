@@ -1,4 +1,4 @@
-//! Starting and ending the service: a station on threads, with what runs beside it.
+//! Start and end of the service: a station on threads, with its companions.
 
 use std::io;
 use std::net::SocketAddr;
@@ -16,7 +16,7 @@ use super::recorder::Shelf;
 use super::station::{RobotParts, StartError, Station, system};
 use super::tick::{TickThread, TickThreadSettings};
 
-/// A service that runs.
+/// A running service.
 pub struct Service {
     handle: Handle,
     udp: Option<SocketAddr>,
@@ -28,33 +28,33 @@ pub struct Service {
 }
 
 impl Service {
-    /// The outside's end of it.
+    /// A handle for requests and state.
     pub fn handle(&self) -> Handle {
         self.handle.clone()
     }
 
-    /// The shelf of the recordings; none where nothing is recorded.
+    /// The shelf of the recordings; `None` if recording is off.
     pub fn shelf(&self) -> Option<Arc<Shelf>> {
         self.shelf.clone()
     }
 
-    /// Where the UDP link listens, if there is one.
+    /// The address of the UDP link, if there is one.
     pub fn udp_address(&self) -> Option<SocketAddr> {
         self.udp
     }
 
-    /// Where the live view of Foxglove listens, if there is one.
+    /// The address of the live view of Foxglove, if there is one.
     pub fn foxglove_address(&self) -> Option<SocketAddr> {
         self.foxglove
     }
 
-    /// Brings every joint to a jerk-limited stop, keeps the state, and ends.
+    /// Brings every joint to a jerk-limited stop, saves the state, and ends.
     pub fn stop(mut self) {
         self.end();
     }
 
     fn end(&mut self) {
-        // First what asks for moves.
+        // The companions request moves, so they end first.
         self.companions.clear();
         self.ending.store(true, Relaxed);
         if let Some(engine) = self.engine.take() {
@@ -73,13 +73,13 @@ impl Drop for Service {
 /// Starts the service: links, tick, engine. No request is lost from here on.
 ///
 /// # Errors
-/// [`StartError`] where something that the configuration asks for is not to be had.
+/// [`StartError`] where something in the configuration is not available.
 pub fn start(config: Config) -> Result<Service, StartError> {
     let disk = Disk::of(&config.data, Arc::new(FileSystem))?;
     start_on(config, disk)
 }
 
-/// As [`start`], with the data folder on a disk that is open.
+/// As [`start`], with the data folder on an open disk.
 ///
 /// # Errors
 /// As [`start`].
@@ -120,7 +120,7 @@ pub fn start_on(config: Config, disk: Disk) -> Result<Service, StartError> {
     Ok(service)
 }
 
-/// The engine's thread, which outlives neither tick nor keeper of states.
+/// The engine's thread; when it ends, tick and keeper have ended, too.
 fn run(
     station: Station,
     real_time: bool,
@@ -150,7 +150,7 @@ fn run(
             .spawn(move || {
                 runtime.block_on(engine.run(&ending));
                 drop(tick);
-                // The engine is gone, and with it the sender: the keeper has written the last state.
+                // The engine and with it the sender are gone: the keeper has written the last state.
                 let _ = keeper.join();
                 let _ = learners.join();
             })
@@ -158,7 +158,7 @@ fn run(
     begin().map_err(|error| system("the engine's thread", error))
 }
 
-/// A robot, and what goes with how it is reached.
+/// A robot with the parts that depend on its link.
 struct Reached {
     robot: RobotParts,
     udp: Option<SocketAddr>,

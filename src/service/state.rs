@@ -1,4 +1,4 @@
-//! The state that outlives the process: the last good modes, and the last moves. One JSON file.
+//! The state that outlives the process: the last good modes, and the last moves, in one JSON file.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,14 +12,14 @@ use super::contract::{DiskPart, ModeValue, MoveResult};
 use super::disk::Disk;
 use crate::learning::Memory;
 
-/// Layout of the file; another one is set aside.
+/// Version of the file's layout; a file of another version is set aside.
 const VERSION: u32 = 1;
-/// Payloads this close are the same, kg: a gram.
+/// Payloads within this difference are equal, kg: a gram.
 const SAME_PAYLOAD: f64 = 1e-3;
-/// Payloads of a joint that are remembered; the longest unused goes.
+/// Most payloads of a joint that are remembered; the longest unused one is dropped.
 const PAYLOADS: usize = 32;
 
-/// Everything that is kept.
+/// Everything that is saved.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Layout of the file.
@@ -35,8 +35,8 @@ pub struct State {
 }
 
 impl State {
-    /// Brings the list of moves in line with the recordings that there are: a name without a recording
-    /// is withdrawn, and no number that a recording has is given to another move.
+    /// Makes the list of moves consistent with the recordings: names of missing recordings are removed, and the
+    /// number of an existing recording is not used again.
     pub fn agree_with(&mut self, is_there: impl Fn(&str) -> bool, last_move: u64) {
         self.last_move = self.last_move.max(last_move);
         for done in &mut self.moves {
@@ -50,9 +50,9 @@ impl State {
 pub struct JointState {
     /// One mode for each payload, the one learned last at the end.
     pub modes: Vec<LearnedMode>,
-    /// Changes of the train by an estimate, since ever.
+    /// Number of changes of the train by an estimate, since ever.
     pub retunes: u64,
-    /// What moves have taught; none in files of versions before it.
+    /// Knowledge from its moves; absent in files of earlier versions.
     #[serde(default)]
     pub map: Option<Memory>,
 }
@@ -102,8 +102,8 @@ impl StateFile {
         }
     }
 
-    /// The kept state. A file that cannot be read or understood is set aside with a warning, so that the
-    /// next state does not replace it: the service is worth more without its memory than not at all.
+    /// The saved state. A file that cannot be read or understood is set aside with a warning, so that the next
+    /// state does not overwrite it. The service then starts without its memory.
     pub fn load(&self) -> State {
         let text = match fs::read(&self.path) {
             Ok(text) => text,
@@ -131,11 +131,10 @@ impl StateFile {
         State::default()
     }
 
-    /// Keeps a state: whoever reads the file finds the one before or this one, whole, whatever
-    /// happens.
+    /// Saves a state atomically: a reader always finds the old or the new state, complete.
     ///
     /// # Errors
-    /// The system's error. The disk remembers it until a state is kept again.
+    /// The system's error. The disk reports it until a state is saved again.
     pub fn save(&self, state: &State) -> io::Result<()> {
         let state = State {
             version: VERSION,

@@ -1,7 +1,7 @@
-//! The service without its threads: links, tick, engine and what is kept, put together.
+//! The service without its threads: links, tick, engine and stored data, assembled.
 //!
-//! [`start`](super::start()) runs a station on threads by the system's clock. A test steps one by hand, by a
-//! simulated clock and over a link of its own.
+//! [`start`](super::start()) runs a station on threads with the system's clock. A test runs one step by step,
+//! with a simulated clock and a link of its own.
 
 use std::io;
 use std::sync::Arc;
@@ -45,13 +45,13 @@ pub enum StartError {
         /// The system's error.
         error: io::Error,
     },
-    /// The data folder is another service's, or not to be had.
+    /// The data folder is in use by another service, or not available.
     #[error(transparent)]
     Folder(#[from] FolderError),
-    /// The folder of recordings is not to be had.
+    /// The folder of recordings is not available.
     #[error(transparent)]
     Shelf(#[from] ShelfError),
-    /// Something is asked for that is not part of this build.
+    /// A requested feature is not part of this build.
     #[error("{feature} is not part of this build: cargo build --release --features {feature}")]
     NotBuilt {
         /// The feature that has it.
@@ -76,24 +76,24 @@ pub enum StartError {
     },
 }
 
-/// The robot: what it is reached over, and what is known of it where it is simulated.
+/// The robot: its link and, if it is simulated, its model.
 pub struct RobotParts {
     /// The link.
     pub link: Box<dyn RobotLink>,
-    /// The embedded arm, as it is at the start.
+    /// The embedded arm in its initial state.
     arm: Option<ArmSimulation>,
-    /// Its tip's sensor, registered.
+    /// The sensor of its tip, registered.
     sensor: Option<DeformationSensor>,
 }
 
 impl RobotParts {
-    /// A robot of which nothing is known but how it is reached.
+    /// A robot with a link only.
     pub fn over(link: Box<dyn RobotLink>) -> Self {
         let (arm, sensor) = (None, None);
         Self { link, arm, sensor }
     }
 
-    /// The arm, its tracker registered by a slow move that takes no time.
+    /// The arm, with its tracker registered by a simulated slow move.
     ///
     /// # Errors
     /// [`StartError`] where it cannot be simulated or registered.
@@ -114,9 +114,9 @@ impl RobotParts {
     }
 }
 
-/// Everything that runs, not yet running.
+/// All parts of the service, not yet running.
 pub struct Station {
-    /// Ticks, by their clock.
+    /// Tick and clock.
     pub(super) pulse: Pulse,
     pub(super) engine: Engine,
     pub(super) keeper: Keeper,
@@ -126,10 +126,9 @@ pub struct Station {
 }
 
 impl Station {
-    /// Puts everything together over what an earlier life has left in the data folder, which is on `disk`.
+    /// Assembles everything on top of the data folder, which is on `disk`.
     ///
-    /// # Errors
-    /// [`StartError`] where something that the configuration asks for is not to be had.
+    /// # Errors [`StartError`] where something in the configuration is not available.
     pub fn assemble(
         config: Config,
         clock: ServiceClock,
@@ -185,12 +184,12 @@ impl Station {
         })
     }
 
-    /// The outside's end of it.
+    /// A handle for requests and state.
     pub fn handle(&self) -> Handle {
         self.handle.clone()
     }
 
-    /// The shelf of the recordings; none where nothing is recorded.
+    /// The shelf of the recordings; `None` if recording is off.
     pub fn shelf(&self) -> Option<Arc<Shelf>> {
         self.shelf.clone()
     }
@@ -200,14 +199,14 @@ impl Station {
         self.pulse.beat();
     }
 
-    /// Has the engine do what is to be done now, and keeps what it has learned.
+    /// Lets the engine do its pending work, and saves what it has learned.
     pub fn work(&mut self) {
         self.engine.work();
         self.learners.work();
         self.keeper.work();
     }
 
-    /// Has the engine answer what is asked, and nothing else: requests come between its rounds.
+    /// Lets the engine answer pending requests only: requests arrive between its rounds.
     pub fn answer(&mut self) {
         self.engine.answer_all();
     }
@@ -274,7 +273,7 @@ fn made(
     })
 }
 
-/// A joint that learns from its moves, and remembers what an earlier life of the service has.
+/// A joint that learns from its moves, with the knowledge that was saved.
 fn pupil(joint: &JointConfig, config: &Config, state: &State) -> Result<Pupil, StartError> {
     let known = UncertainMode::believed(joint.belief);
     let base = joint.shaper.on_grid_for(&known, config.period);
@@ -300,7 +299,7 @@ fn pupil(joint: &JointConfig, config: &Config, state: &State) -> Result<Pupil, S
     })
 }
 
-/// The inertia of all that a joint carries, where the robot's description has it.
+/// The inertia of everything that a joint carries, if the robot's description has it.
 fn inertia(joint: &JointConfig, config: &Config) -> Option<Inertia> {
     let robot = config.describes.then(|| config.description.clone())?;
     let others = config
@@ -331,7 +330,7 @@ fn bounds(joint: &Joint) -> Bounds {
     }
 }
 
-/// With what was tried.
+/// An error with the attempted operation.
 pub(super) fn system(what: impl std::fmt::Display, error: io::Error) -> StartError {
     StartError::System {
         what: what.to_string(),

@@ -1,11 +1,12 @@
-//! The modes that a robot learns, published at a NATS server for whoever looks after a fleet.
+//! Learned modes, published at a NATS server for fleet management.
 //!
-//! Two subjects a joint, in JSON: `quell.<robot>.<joint>.estimate` has an [`EstimateView`] whenever the
-//! estimate changes, once a second at most; `quell.<robot>.<joint>.train` the mode and the impulses whenever
-//! another train is in force. Each says in `unix_time_s` when it was so. A dot in a joint's name becomes `_`.
+//! Each joint has two subjects, in JSON: `quell.<robot>.<joint>.estimate` has an [`EstimateView`] whenever the
+//! estimate changes, at most once a second; `quell.<robot>.<joint>.train` the mode and the impulses whenever
+//! another train is in force. `unix_time_s` in each is the time of the change. A dot in a joint's name becomes
+//! `_`.
 //!
-//! Published as plain messages: nobody waits for a server that is away, least of all the robot, and what
-//! changed meanwhile is told as it is when the server is back.
+//! They are plain messages: nothing waits for an absent server, least of all the robot. When the server is
+//! back, it gets the present values.
 
 use std::io;
 use std::sync::Arc;
@@ -22,23 +23,23 @@ use super::contract::{
     EstimateView, Handle, JointSnapshot, LearningView, ModeValue, Snapshot, TrainView,
 };
 
-/// Time between two looks at what was learned, s. A mode is that of a machine and drifts within minutes; a
-/// fleet of 10^5 axes that move all the time are 10^5 messages a second.
+/// Interval of publishing, s. A mode belongs to a machine and drifts within minutes. A fleet of 10^5 axes in
+/// permanent motion makes 10^5 messages a second.
 const INTERVAL: Duration = Duration::from_secs(1);
-/// How long the last messages may take when the service ends.
+/// Most time for the last messages when the service ends.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// Publishes for as long as it is held.
+/// Publishes until it is dropped.
 pub struct Telemetry {
     ending: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Telemetry {
-    /// Starts to publish; the server need not be there yet.
+    /// Starts to publish; the server need not be reachable yet.
     ///
     /// # Errors
-    /// The system's error; [`io::ErrorKind::InvalidInput`] where the address is none.
+    /// The system's error; [`io::ErrorKind::InvalidInput`] for an invalid address.
     pub fn start(config: &NatsConfig, handle: &Handle) -> io::Result<Self> {
         let server: ServerAddr = config.server.parse()?;
         let teller = Teller {
@@ -62,7 +63,7 @@ impl Telemetry {
 
 impl Drop for Telemetry {
     fn drop(&mut self) {
-        // The thread ends where its end of the channel is alone.
+        // The thread ends once its channel is closed.
         self.ending = None;
         if let Some(thread) = self.thread.take() {
             // If it panicked, that was reported when it did.
@@ -85,18 +86,18 @@ async fn serve(server: ServerAddr, mut teller: Teller, mut ended: oneshot::Recei
         () = teller.tell(&client) => {}
         _ = &mut ended => {}
     }
-    // Who ends does not wait for a server that is away.
+    // The end does not wait for an absent server.
     let _ = timeout(FAREWELL, client.flush()).await;
 }
 
-/// The last message on a joint.
+/// The last messages on a joint.
 #[derive(Clone, Default)]
 struct Told {
     /// Time of the estimate.
     estimate: Option<f64>,
     /// The train in force; empty before there is one.
     train: TrainView,
-    /// What moves have taught.
+    /// Knowledge from moves.
     learning: LearningView,
 }
 
@@ -130,7 +131,7 @@ struct Train<'a> {
 }
 
 impl Teller {
-    /// Tells what changed, until the engine is gone.
+    /// Publishes changes until the engine has ended.
     async fn tell(&mut self, client: &Client) {
         while self.snapshots.changed().await.is_ok() {
             let snapshot = Arc::clone(&self.snapshots.borrow_and_update());
@@ -148,7 +149,7 @@ impl Teller {
         }
     }
 
-    /// The news of a joint, as subject and JSON.
+    /// New values of a joint, as subject and JSON.
     fn changed(
         &mut self,
         joint: usize,
@@ -156,7 +157,7 @@ impl Teller {
         time: f64,
     ) -> Vec<(&'static str, Vec<u8>)> {
         let told = &mut self.told[joint];
-        // Plain numbers and texts always have a form in JSON.
+        // Numbers and strings always serialise.
         let mut news = Vec::new();
         if let Some(estimate) = &now.estimate
             && told.estimate.replace(estimate.time_s) != Some(estimate.time_s)

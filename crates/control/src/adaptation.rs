@@ -1,10 +1,13 @@
-//! From an estimate to a mode worth shaping for: accept it, or say why not.
+//! Decides whether an estimate becomes the mode to shape for, or states why not.
 //!
-//! Three questions, in this order. Is the estimate plausible? Is it certain enough, that is, would
-//! the train designed for it still hold its tolerance two standard deviations away? Does it matter,
-//! that is, does the present command leave more than a new one would, by more than the dead band and
-//! by more than the estimate's own uncertainty explains? A mode that jumps away from one learned
-//! before must in addition say the same for half a period: as long as estimators look back before
+//! Three questions are asked in this order:
+//! 1. Is the estimate plausible?
+//! 2. Is it certain enough? The train designed for it must hold its tolerance two standard deviations away.
+//! 3. Does it matter? The present command must leave more than a new one would, by more than the dead band and
+//!    by more than the estimate's own uncertainty explains.
+//!
+//! A mode that differs much from the one learned before must also persist for half a period. Estimators look
+//! back as long before they call an estimate converged, so that two windows without overlap agree.
 //! they call an estimate converged, so that two windows without overlap agree.
 
 use crate::estimators::Estimate;
@@ -12,7 +15,7 @@ use crate::learning::Hold;
 use quell_shapers::{GridTrain, Mode, Tap, UncertainMode};
 use std::f64::consts::PI;
 
-/// The settings of an adaptation: the belief, and what is worth acting on.
+/// The settings of an adaptation: the plausible range, and the thresholds for a change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptationSettings {
     /// Plausible natural frequencies `[from, to]`, rad/s.
@@ -24,14 +27,14 @@ pub struct AdaptationSettings {
     pub tolerance: f64,
     /// Residual vibration V of the train in force below which a new train is not worth a retune.
     pub dead_band: f64,
-    /// Relative change of `omega_n` against the last learned mode that is believed at once; a
-    /// larger one must persist for half a period of the new mode.
+    /// Relative change of `omega_n` against the last learned mode that is accepted at once; a larger one must
+    /// persist for half a period of the new mode.
     pub largest_step: f64,
 }
 
 impl AdaptationSettings {
-    /// Settings around a belief: a quarter to four times its frequency, and whatever damping still
-    /// lets a shaper help. Dead band 1 %, tolerance 5 %, steps above 10 % confirmed.
+    /// Settings around a belief: frequencies from a quarter to four times the believed one, and all damping
+    /// ratios at which a shaper still helps. Dead band 1 %, tolerance 5 %; steps above 10 % must persist.
     pub fn around(belief: Mode) -> Self {
         let omega = belief.natural_frequency();
         Self {
@@ -65,12 +68,13 @@ pub enum Reason {
     Uncertain(f64),
     /// The present command leaves only this fraction more than a new one would.
     DeadBand(f64),
-    /// The residual of the present command could as well be the estimate's error: three standard
-    /// deviations of it are this fraction.
+    /// The residual of the present command may be an error of the estimate: three standard deviations of it are
+    /// this fraction.
     NotSignificant(f64),
-    /// The train was solved for what earlier moves have taught, and is not followed in motion.
+    /// The train was solved from what earlier moves have taught, and is not changed in motion.
     Held(Hold),
-    /// The mode that was estimated leaves this fraction of the vibration unexplained, and a new train would take no more away.
+    /// The estimated mode leaves this fraction of the vibration unexplained, and a new train would remove no
+    /// more than that.
     Unexplained(f64),
     /// The mode has jumped by this relative step and has not yet persisted for half a period, twice the window over which estimates must agree.
     Unconfirmed(f64),
@@ -94,7 +98,7 @@ impl Adaptation {
         }
     }
 
-    /// The last mode that was accepted, or that bore the present one out.
+    /// The last mode that was accepted, or that confirmed the present one.
     pub fn learned(&self) -> Option<Mode> {
         self.learned
     }
@@ -113,10 +117,10 @@ impl Adaptation {
 
     /// How well the mode of an estimate is known for as long as its train is in force.
     ///
-    /// The estimate's own variance, and that of what happens unseen until the next retune: a change of the mode
-    /// that leaves less than the dead band. The shortest train, two impulses half a period apart, leaves
-    /// `V = pi/2 |d omega| / omega` and `V = pi/2 |d xi|` of a small change, so that
-    /// `2/pi` of the dead band is the change that two standard deviations must at least cover.
+    /// This is the estimate's own variance, plus that of a change too small to cause a retune: one that leaves
+    /// less than the dead band. For a small change the shortest train, two impulses half a period apart, leaves
+    /// `V = pi/2 |d omega| / omega` and `V = pi/2 |d xi|`. So two standard deviations must cover at least a
+    /// change of `2/pi` of the dead band.
     pub fn known(&self, estimate: &Estimate) -> UncertainMode {
         let unseen = 0.5 * (2.0 / PI) * self.settings.dead_band;
         let mode = estimate.mode;
@@ -128,7 +132,7 @@ impl Adaptation {
         }
     }
 
-    /// Whether a train does for the mode of an estimate: it leaves less than the dead band there, and no more than
+    /// Whether a train suits the mode of an estimate: it leaves less than the dead band there, and no more than
     /// the tolerance two standard deviations away.
     pub fn suits(&self, train: &GridTrain, estimate: &Estimate) -> bool {
         residual(train, estimate.mode) < self.settings.dead_band
@@ -137,9 +141,9 @@ impl Adaptation {
 
     /// Judges an estimate that was [screened](Adaptation::screen).
     ///
-    /// `next` is the train designed for it; `excess` tells by how much what the
-    /// present command leaves of a mode exceeds what a new one would leave, as a fraction of the
-    /// unshaped vibration. Bounded work, at most five calls of `excess`, no allocation.
+    /// `next` is the train designed for it. `excess` gives what the present command leaves of a mode minus what
+    /// a new one would leave, as a fraction of the unshaped vibration. Bounded work, at most five calls of
+    /// `excess`, no allocation.
     pub fn consider(
         &mut self,
         estimate: &Estimate,
@@ -167,7 +171,7 @@ impl Adaptation {
     }
 
     /// Whether the command under way may be corrected for an estimate that was [screened](Adaptation::screen):
-    /// it is certain enough for `next`, the train designed for it, and no jump that is yet to be confirmed.
+    /// it is certain enough for its train `next`, and no jump that has yet to persist.
     pub fn may_correct(&mut self, estimate: &Estimate, next: &GridTrain) -> bool {
         let certain = self.certain(estimate, next).is_ok();
         certain
@@ -176,7 +180,7 @@ impl Adaptation {
                 .is_none()
     }
 
-    /// The command was corrected for a mode.
+    /// Records that the command was corrected for a mode.
     pub fn accept(&mut self, mode: Mode) -> Decision {
         self.learned = Some(mode);
         Decision::Accept(mode)
@@ -185,7 +189,7 @@ impl Adaptation {
     /// Whether the train designed for an estimate holds its tolerance two standard deviations away.
     fn certain(&self, estimate: &Estimate, next: &GridTrain) -> Result<(), Reason> {
         let tolerance = self.settings.tolerance;
-        // The bound costs little, and is enough for an estimate that is known well.
+        // The bound is cheap, and enough for a well-known estimate.
         if most_within_two_sigma(estimate, next) <= tolerance {
             return Ok(());
         }
@@ -270,8 +274,8 @@ fn worst_within_two_sigma(estimate: &Estimate, train: &GridTrain) -> f64 {
     largest_at_corners(estimate, |corner| residual(train, corner))
 }
 
-/// A bound of how much V of `train` differs at those corners: `sum |A_i| (t_n - t_i) |lambda' - lambda|`, since
-/// `exp(lambda t)` changes by at most `t` times as much as `lambda` where nothing grows.
+/// A bound on the change of V of `train` at those corners: `sum |A_i| (t_n - t_i) |lambda' - lambda|`, since
+/// `exp(lambda t)` changes by at most `t` times as much as `lambda` for decaying modes.
 fn most_within_two_sigma(estimate: &Estimate, train: &GridTrain) -> f64 {
     let pole = |mode: Mode| (mode.decay_rate(), mode.damped_frequency());
     let (rate, turn) = pole(estimate.mode);
@@ -284,8 +288,8 @@ fn most_within_two_sigma(estimate: &Estimate, train: &GridTrain) -> f64 {
     furthest.sqrt() * train.taps().iter().map(age).sum::<f64>()
 }
 
-/// The largest of what is said of the corners of two standard deviations of frequency and damping; infinity
-/// where one is no mode.
+/// The largest value of `of` at the corners of two standard deviations of frequency and damping; infinity where
+/// a corner is no mode.
 fn largest_at_corners(estimate: &Estimate, of: impl Fn(Mode) -> f64) -> f64 {
     let mode = estimate.mode;
     let mut largest: f64 = 0.0;

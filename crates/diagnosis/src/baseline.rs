@@ -14,11 +14,12 @@ use quell_model::effects::Catalogue;
 use quell_model::{Experiment, Model};
 use std::sync::Arc;
 
-/// Believed standard deviations beyond which a key of the model may not run: what is not known within
-/// three of them is another machine.
+/// Largest departure of a key from its believed value, in believed standard deviations. A value farther away
+/// means another machine.
 const FARTHEST: f64 = 3.0;
 
-/// The problem of fitting a model to experiments; noise white, at the level of third differences.
+/// The problem of fitting a model to experiments. The noise is taken for white, at the level of third
+/// differences.
 pub fn problem<'a>(
     model: &Model,
     experiments: &'a [Experiment],
@@ -48,7 +49,7 @@ pub fn problem<'a>(
     let payloads = payloads(experiments);
     Problem {
         kind,
-        // A known inertia is that with the payload.
+        // A known inertia includes the payload.
         free_payloads: 1..if known { 1 } else { payloads.len() },
         payloads,
         experiments,
@@ -71,7 +72,7 @@ pub fn problem<'a>(
     }
 }
 
-/// Different payloads, that of the first recording first.
+/// The different payloads of the recordings; that of the first recording comes first.
 pub fn payloads(experiments: &[Experiment]) -> Vec<Option<String>> {
     let mut found: Vec<Option<String>> = Vec::new();
     for experiment in experiments {
@@ -98,7 +99,7 @@ pub fn first_guess(experiment: &Experiment) -> Vec<Whitening> {
     let guess = |output: &quell_model::Output| {
         let floor = quell_signal::noise_floor(&output.values).standard_deviation;
         let size = output.values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        // A recording without any noise: the rounding of a number written with nine digits.
+        // Least noise of a recording without any: the rounding of a number written with nine digits.
         let least = (1e-9 * size).max(f64::MIN_POSITIVE);
         let level = output.noise_witness.unwrap_or(floor);
         Whitening::white(level.max(least).max(rounding(output)))
@@ -106,7 +107,7 @@ pub fn first_guess(experiment: &Experiment) -> Vec<Whitening> {
     experiment.outputs.iter().map(guess).collect()
 }
 
-/// The best of several starts of the frequency, and whether the arm already rang at the start.
+/// The best fit from several starts of the frequency.
 pub fn refit(problem: &mut Problem, start: &Point, projector: &Projector) -> Fitted {
     let mut starts = vec![start.clone()];
     if let Some((frequency, _)) = problem.kind.mode {

@@ -1,5 +1,4 @@
-//! What the engineer believes, as rows of the fit: departures from the given values in standard
-//! deviations.
+//! The engineer's beliefs as rows of the fit: departures from the given values in standard deviations.
 
 use super::curves;
 use super::point::{Global, Point};
@@ -53,8 +52,8 @@ impl Problem<'_> {
         keys.chain(effects).collect()
     }
 
-    /// What is believed of a key; of a damping ratio, that of the damper across the joint and one to
-    /// ground together.
+    /// The belief on a key. For a damping ratio it is on the damper across the joint and the damper to ground
+    /// together.
     fn belief(&self, point: &Point, key: usize) -> Option<Belief> {
         let (value, std) = self.beliefs[key];
         if !std.is_finite() {

@@ -3,7 +3,7 @@
 use super::explanation::Explanation;
 use quell_model::{Model, ModelEffect, Value};
 
-/// The model with the findings in it that are the machine's, its parameters as they were fitted.
+/// The given model plus those findings that belong to the machine, with their fitted parameters.
 pub fn better_model(model: &Model, explanation: &Explanation) -> Model {
     let mut better = model.clone();
     let point = &explanation.fitted.point;

@@ -1,17 +1,17 @@
-//! Confidence intervals by a parametric bootstrap: what the fit would have said, had the noise been
-//! another one.
+//! Confidence intervals by a parametric bootstrap: the scatter of the fit over other draws of the noise.
 //!
-//! A replicate takes the best explanation for the truth. Its outputs are what that predicts for the
-//! recorded input, plus noise ([`output_noise`]); its input is the recorded one with the error of its
-//! encoder put on once more ([`InputError`]), since the encoder that drives the model is itself
-//! rounded and noisy: what a model makes of that lies at its resonance, where the parameters are
-//! learned. One Gauss-Newton step from the best point, with its derivatives, refits all unknowns:
+//! A replicate takes the best explanation for the truth. Its outputs are the prediction for the recorded input,
+//! plus noise ([`output_noise`]). Its input is the recorded one plus another draw of the encoder's error
+//! ([`InputError`]). For the encoder that drives the model is itself rounded and noisy, and the model responds
+//! to that error mostly at its resonance, where the parameters are learned. One Gauss-Newton step from the best
+//! point, with its derivatives, refits all unknowns:
 //! shared ones, clocks, departures, linear nuisances. It is exact for a small change; where a second
 //! step moves the first replicates by more than a tenth of the first one, all take it.
 //!
-//! The interval is the value plus and minus the replicates' standard deviation times Student's t,
-//! within the bounds. A deviation needs fewer replicates than a quantile does. What is added to the variance
-//! is that of the values that explanations of other structure give the same parameter, each as probable as it is.
+//! The interval is the value plus and minus the replicates' standard deviation times Student's t, within the
+//! bounds. A standard deviation needs fewer replicates than a quantile does. The variance is increased by the
+//! scatter between explanations of other structure that have the same parameter, weighted by their
+//! probabilities.
 //!
 //! Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapters 6 and 12; Bardsley,
 //! Solonen, Haario and Laine, SIAM J. Scientific Computing 36 (2014) on beliefs that are drawn, too.
@@ -36,14 +36,14 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
-/// Replicates: a standard deviation of so many is known to `1 / sqrt(2 R)`, 7 %.
+/// Number of replicates `R`. The relative error of their standard deviation is `1 / sqrt(2 R)`, 7 %.
 const REPLICATES: u64 = 100;
 /// Two-sided 95 % of Student's distribution with that many degrees of freedom.
 const STUDENT_95: f64 = 1.984;
 /// Replicates that show whether one step is enough.
 const PILOTS: u64 = 8;
-/// Share of the first step that a second one may have without being worth its simulation: the deviation
-/// of the replicates is not known better.
+/// Share of the first step below which a second step is not worth its simulation: the standard deviation of the
+/// replicates is not known better.
 const LINEAR: f64 = 0.1;
 
 /// How far the shared unknowns would scatter.
@@ -54,8 +54,8 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    /// 95 % confidence interval of a parameter of an effect, in its own unit, within its bounds. The end of a range
-    /// is as it was set.
+    /// 95 % confidence interval of a parameter of an effect, in its own unit, within its bounds. A parameter
+    /// that is a range was set, not fitted: both ends are its value.
     pub fn interval(&self, problem: &Problem, point: &Point, global: Global) -> [f64; 2] {
         let value = problem.get(point, global);
         if let Global::Parameter(term, index) = global
@@ -74,7 +74,7 @@ impl Scatter {
         ]
     }
 
-    /// Covariance of some of the unknowns; what was not fitted does not scatter.
+    /// Covariance of some of the unknowns; 0 for those that were not fitted.
     pub fn covariance(&self, unknowns: &[Global]) -> DMatrix<f64> {
         let index = |global: &Global| self.globals.iter().position(|g| g == global);
         let indices: Vec<Option<usize>> = unknowns.iter().map(index).collect();
@@ -105,10 +105,11 @@ pub fn bootstrap(search: &Search, found: &Found, seed: u64) -> Scatter {
         covariance.ger(1.0, &change, &change, 1.0);
     }
     covariance /= count;
-    // Never below what noise alone makes of the linear problem, which is known without any draw; about
-    // the fitted value, so that a bias counts.
+    // The variance is at least that of the linear problem with noise alone, which needs no draw. It is taken
+    // about the fitted value, so that a bias counts.
     widen(&mut covariance, &deviations(&world.normal, shared));
-    // Nor below what the evidence says, with laws of uncertain shape and what is left as large and as correlated as it is.
+    // It is also at least that of the evidence, which allows for laws of uncertain shape and for the size and
+    // the correlation of the residual.
     let believed = best.evidence.deviations(found.temperature / CALIBRATED);
     widen(&mut covariance, &believed[..shared]);
     let wider = |(i, global): (usize, &Global)| {
@@ -123,7 +124,7 @@ pub fn bootstrap(search: &Search, found: &Found, seed: u64) -> Scatter {
     }
 }
 
-/// Deviations at least as large as these, at the correlations that there are.
+/// Raises standard deviations to at least these; the correlations stay as they are.
 fn widen(covariance: &mut DMatrix<f64>, least: &[f64]) {
     for (i, least) in least.iter().enumerate() {
         let own = covariance[(i, i)].sqrt();
@@ -215,7 +216,8 @@ impl<'a> World<'a> {
             Some(input) => recorded.with_input(input),
             None => recorded.clone(),
         };
-        // Residuals at the same time in several outputs belong together.
+        // Residuals at the same time in several outputs belong together: the same blocks are drawn for all
+        // outputs.
         let blocks = random.clone();
         for (k, output) in again.outputs.iter_mut().enumerate() {
             output.values = self.noise[e][k].on(&self.predicted[e][k], random, &blocks);
@@ -226,7 +228,8 @@ impl<'a> World<'a> {
         again
     }
 
-    /// What is believed of the keys is a measurement, too, of which the truth is the fitted value.
+    /// The beliefs on the keys, drawn again: a belief is a measurement, too, whose true value is the fitted
+    /// one.
     fn beliefs(&self, random: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
         let problem = self.search.problem;
         let mut beliefs = problem.beliefs.clone();
@@ -256,14 +259,14 @@ impl<'a> World<'a> {
         given
     }
 
-    /// Whether second steps are small beside first ones, for all shared unknowns.
+    /// Whether second steps are small beside first ones, for all shared unknowns together.
     fn linear_enough(&self, pilots: &[Vec<DVector<f64>>]) -> bool {
         let square = |unknown: usize, step: usize| -> f64 {
             let changes = pilots.iter().filter_map(|changes| changes.get(step));
             changes.map(|change| change[unknown].powi(2)).sum()
         };
         let small = |unknown| square(unknown, 1) <= LINEAR * LINEAR * square(unknown, 0);
-        // A step that does not lead nearer is not a better answer either.
+        // A second step that does not get closer is not a better answer either.
         let farther = |unknown| square(unknown, 1) >= square(unknown, 0);
         let all = || 0..self.linear.globals.len();
         all().all(small) || all().any(farther)

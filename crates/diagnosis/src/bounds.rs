@@ -1,4 +1,4 @@
-//! Between which bounds the unknowns lie, and how large a change of them is typical.
+//! Bounds and typical changes of the unknowns.
 
 use super::point::{Global, Point};
 use super::problem::Problem;
@@ -7,21 +7,21 @@ use quell_model::chain::{Linear, MotorSide};
 use quell_model::effects::{Place, Quantity};
 use std::f64::consts::TAU;
 
-/// Least and greatest inertia with a payload, in times that with another: a robot carries up to its own
-/// weight, at the end of an arm whose own weight is spread over it.
+/// Least and greatest inertia with one payload, relative to that with another. A robot carries up to its own
+/// weight, at the end of an arm whose own weight is distributed along it.
 const HEAVIEST: (f64, f64) = (0.05, 20.0);
 
 impl Problem<'_> {
-    /// Places at which effects may act, and the linear part of the model as it is believed, which says between which
-    /// bodies they do.
+    /// The places at which effects may act, and the linear part of the model at its believed values, which says
+    /// between which bodies they act.
     pub fn places(&self) -> (&'static [Place], Linear) {
         let input = self.experiments[0].input;
         let keys: Vec<f64> = self.beliefs.iter().map(|belief| belief.0).collect();
         ((self.kind.places)(input), (self.kind.linear)(&keys, input))
     }
 
-    /// The effect by which part of the damping is tied to the ground, and its share of the damping ratio,
-    /// `c w / 2`: how fast a joint rings out is what is known of its damper, not what the damper is tied to.
+    /// The effect that ties a part of the damper to the ground, and its share of the damping ratio, `c w / 2`.
+    /// The engineer's belief is on how fast a joint rings out, not on what its damper is tied to.
     pub fn damper_to_ground(&self, point: &Point) -> Option<(usize, f64)> {
         let (frequency, _) = self.kind.mode?;
         let input = self.experiments.first()?.input;
@@ -75,9 +75,9 @@ impl Problem<'_> {
         }
     }
 
-    /// Change of an unknown over which the residual is far from straight: its typical size, or a tenth of what
-    /// it is; of a place and an instant what the link does about them, however far they are from where
-    /// counting began.
+    /// Change of an unknown over which the residual is far from linear: its typical size, or a tenth of its
+    /// value. For a position it is at most the deformation, for an instant at most a radian of the mode,
+    /// wherever the origin lies.
     pub fn reach(&self, point: &Point, global: Global) -> f64 {
         let typical = self.typical(point, global);
         let quantity = match global {

@@ -3,22 +3,22 @@
 use super::point::{EffectAt, Point};
 use super::stop::Stop;
 
-/// Explanations that were looked at elsewhere.
+/// Explanations from another look at the same recordings.
 #[derive(Clone, Default)]
 pub struct Known {
     /// Where they ended.
     pub points: Vec<Point>,
-    /// Whether nothing else is to be looked at.
+    /// Whether only these are to be looked at.
     pub alone: bool,
-    /// Ends the search, not the diagnosis.
+    /// Ends the search for further effects, but not the diagnosis.
     pub enough: Stop,
 }
 
 /// An effect at a place, and where its fit may start.
 pub struct Candidate {
-    /// Which, and where.
+    /// The effect and its place.
     pub effect: EffectAt,
-    /// Starts at the explanation that it extends, or near it.
+    /// Starts at or near the explanation that it extends.
     pub near: Vec<Point>,
     /// Starts elsewhere.
     pub far: Vec<Point>,

@@ -1,4 +1,4 @@
-//! From what the search found to verdict, findings and the better model.
+//! Verdict, findings and the better model from the result of the search.
 
 use super::better_model::better_model;
 use super::bootstrap::{Scatter, bootstrap};
@@ -26,13 +26,13 @@ use std::f64::consts::TAU;
 pub struct Concluded {
     /// What is said.
     pub diagnosis: Diagnosis,
-    /// A scale of a tracker that is told in it.
+    /// The finding on a tracker's scale, if there is one.
     pub scale: Option<TrackerScale>,
     /// The model with the findings in it.
     pub better: Model,
 }
 
-/// All of a diagnosis that follows from a search; the intervals are drawn with a seed.
+/// All conclusions from a search; `seed` is that of the bootstrap.
 pub fn conclude(
     search: &Search,
     found: &Found,
@@ -98,8 +98,9 @@ pub fn conclude(
     }
 }
 
-/// Whether the scores are of the motion as the search saw it: of whole recordings, which are judged by others; in one
-/// piece, or in windows, as it; with the payload of the model, and nothing that happened once.
+/// Whether the scores replay the motion as the search saw it. That holds if whole recordings are held out, both
+/// replay it in one piece or both in windows, no motor side is coupled, nothing happened in one recording only,
+/// and the payload is the model's.
 fn is_seen_alike(search: &Search, fit: &Fit) -> bool {
     let (data, problem) = (search.judge.data, search.problem);
     let experiments = || data.experiments.iter().chain(&data.apart);
@@ -125,7 +126,7 @@ fn fit(search: &Search, found: &Found, told: &Explanation) -> Fit {
     }
 }
 
-/// The explanation that is offered: never one that was not believed.
+/// The explanation that is reported: the baseline unless the verdict supports the best one.
 pub fn reported(verdict: Verdict, found: &Found) -> &Explanation {
     match verdict {
         Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => &found.baseline,
@@ -133,9 +134,9 @@ pub fn reported(verdict: Verdict, found: &Found) -> &Explanation {
     }
 }
 
-/// Nothing is missing where no effect is told and nothing but noise is left. Effects are named where with them
-/// nothing but noise is left, or what the shapes of their laws could be wrong by; and no other explanation is in the
-/// credible set.
+/// The verdict. `NoMismatch`: no effect is found and only noise is left. `Named`: with the effects only noise
+/// is left, or no more than an error of their laws' shapes explains, and the credible set holds no other
+/// explanation.
 fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
     if found.best.terms() == 0 {
         return match search.leaves_nothing(found, located) {
@@ -171,7 +172,7 @@ fn candidate(found: &Found, (own, probability): &(Explanation, f64)) -> Option<C
     })
 }
 
-/// The effects of the best explanation, the one whose absence costs most first.
+/// The effects of the best explanation, in falling order of the evidence that is lost without them.
 fn findings(search: &Search, found: &Found, scatter: &Scatter) -> Vec<Finding> {
     let best = &found.best;
     let told = |effect| {
@@ -244,7 +245,7 @@ fn parameters(
     for (count, term) in terms.enumerate() {
         let own = &point.terms[term];
         for (index, parameter) in own.effect.parameters.iter().enumerate() {
-            // A mode is told in hertz, as everywhere outside of the equations.
+            // A mode is reported in hertz, as everywhere outside of the equations.
             let (factor, unit) = match parameter.role {
                 ParameterRole::Frequency => (TAU.recip(), "Hz".into()),
                 _ => (1.0, parameter.quantity.unit(&units)),

@@ -1,5 +1,5 @@
-//! Continuation over the sizes of an effect whose misfit has many minima, for starts that a screen cannot see: it moves
-//! the rest in one step only.
+//! Continuation over the sizes of an effect whose misfit has many minima. It finds starts that a screen does
+//! not see, since a screen moves the other unknowns by one step only.
 //!
 //! Source: Allgower and Georg, Introduction to Numerical Continuation Methods (2003).
 
@@ -15,13 +15,13 @@ use quell_model::Term;
 
 /// Steps of the model's keys at each size.
 const FIRST: usize = 2;
-/// Parts into which the way from one size to the next is cut near the best one: sizes that differ by some 15 %
-/// where a grid's differ by 1.7 times.
+/// Number of parts into which a step of the size is divided near the best one. Sizes then differ by some 15 %,
+/// instead of 1.7 times as in a grid.
 const SLOWER: u32 = 4;
 
 impl Search<'_> {
-    /// Starts by continuation: of all effects that need one, or, where nothing is left to be found, of those alone
-    /// that take part in the halving.
+    /// Starts by continuation, for all effects that need it. If nothing is left to be found, only those effects
+    /// that take part in the halving are followed.
     pub(super) fn continued(&self, from: &Explanation, halving: &Halving) -> Vec<Candidate> {
         let own = from.effects();
         let done = self.known.alone || halving.is_won() || self.leaves_noise(from);
@@ -38,10 +38,9 @@ impl Search<'_> {
         continued.map(candidate).collect()
     }
 
-    /// The best places along the sizes of an effect, and along finer ones around the best of these.
-    /// At each size the model's keys are fitted from where they were at the last one: a large size makes them
-    /// (a frequency, mostly) other than they are without the effect, and a fit of both at once would rather
-    /// make the size small.
+    /// The best points along the sizes of an effect, and along finer sizes around the best of these. At each
+    /// size the model's keys are fitted, from their values at the previous size. A large effect changes them
+    /// (the frequency, mostly), and a fit of keys and size at once would rather make the size small.
     fn along_sizes(&self, from: &Explanation, (effect, place): EffectAt) -> Vec<Point> {
         let lost = LOST * from.fitted.cost;
         let from = &from.fitted.point;
@@ -79,13 +78,14 @@ impl Search<'_> {
         ends.extend(follow(&ends[before].1.without(from.terms.len()), &nearer));
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
         ends.truncate(SECOND);
-        // The size first, then what shapes the law: it makes up for a size that is not yet right.
+        // The size is fitted first. Parameters of the law's shape would otherwise compensate for a wrong size.
         let sized = |(_, end)| fitted(end, Some(effect.size()), SHORT).1;
         ends.into_iter().map(sized).collect()
     }
 }
 
-/// Sizes between those of a grid, the other values as they are; `size` is their index.
+/// Sizes between those of a grid; the other values are those of the smaller one. `size` is the index of the
+/// size.
 fn between(starts: &[Vec<f64>], size: usize) -> Vec<Vec<f64>> {
     let part = |pair: &[Vec<f64>], k: u32| {
         let mut values = pair[0].clone();

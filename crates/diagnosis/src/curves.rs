@@ -1,4 +1,4 @@
-//! What is believed of the curve of a learned law before any data: it is smooth, and of no known size.
+//! Prior of the curve of a learned law: it is smooth, and its size is unknown.
 //!
 //! Its ordinates `y` have a multivariate Student density about 0,
 //!
@@ -6,8 +6,8 @@
 //! p(y) ~ (1 + q / nu)^(-(nu + n) / 2) ,   q = |L^-1 y|^2 / s^2
 //! ```
 //!
-//! with `L L'` the covariance of a smooth curve of deviation 1 at `n` knots, `s` the typical size of an ordinate and
-//! one degree of freedom `nu`: a Gaussian process whose size has a density without a scale of its own.
+//! `L L'` is the covariance of a smooth curve of standard deviation 1 at `n` knots, `s` the typical size of an
+//! ordinate, and `nu = 1` the degrees of freedom. It is a Gaussian process whose size has a scale-free prior.
 //!
 //! Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 4 and 9.9.
 
@@ -18,11 +18,11 @@ use quell_model::effects::{Effect, ParameterRole, Scales, Slot};
 
 /// Degrees of freedom.
 const NU: f64 = 1.0;
-/// Distance over which a curve changes, in knots: shorter ones are ripples, which are laws of their own.
+/// Correlation length of a curve, in knots. Shorter changes are ripples, which are laws of their own.
 const SMOOTH: f64 = 2.5;
 /// Correlation of the two directions of a law of friction.
 const MIRRORED: f64 = 0.9;
-/// What keeps the covariance of near knots positive.
+/// Added to the diagonal, so that the covariance of near knots stays positive definite.
 const NUGGET: f64 = 1e-6;
 
 /// Indices of the ordinates of a learned law.
@@ -32,8 +32,8 @@ pub fn ordinates(effect: &Effect) -> Vec<usize> {
     own.map(|(index, _)| index).collect()
 }
 
-/// Root `L` of the covariance of the ordinates of a learned law, for a deviation of 1: of friction one curve in each
-/// direction, which are much alike.
+/// Root `L` of the covariance of the ordinates of a learned law, for a standard deviation of 1. Friction has
+/// one curve in each direction, and the two are strongly correlated.
 pub fn root(effect: &Effect) -> DMatrix<f64> {
     let count = ordinates(effect).len();
     let near = |distance: f64| (-0.5 * (distance / SMOOTH).powi(2)).exp();
@@ -71,7 +71,7 @@ fn whitened(scales: &Scales, term: &Term) -> Option<(DMatrix<f64>, DVector<f64>,
     (count > 0).then_some((inverse, white, square))
 }
 
-/// Twice the negative logarithm of the density, but for what is constant.
+/// Twice the negative logarithm of the density, without its constant.
 pub fn cost(scales: &Scales, term: &Term) -> f64 {
     if !term.effect.is_learned() {
         return 0.0;
@@ -83,7 +83,8 @@ pub fn cost(scales: &Scales, term: &Term) -> f64 {
 /// A departure from what is believed, in standard deviations, and its derivatives by unknowns.
 pub type Row = (f64, Vec<(Global, f64)>);
 
-/// Its derivatives, as rows of a least-squares fit: of the Gaussian density that has the same slope there.
+/// Rows of a least-squares fit that have the derivatives of the density: those of the Gaussian density with the
+/// same slope at the curve.
 pub fn beliefs(scales: &Scales, index: usize, term: &Term) -> Vec<Row> {
     if !term.effect.is_learned() {
         return Vec::new();
@@ -111,8 +112,8 @@ fn tightness(q: f64, count: usize) -> f64 {
     (NU + count as f64) / (NU + q)
 }
 
-/// Root of the covariance of the Gaussian density that has the same slope at the fitted curve, and the logarithm of the
-/// density over that of this one, at the fit.
+/// Root of the covariance of the Gaussian density with the same slope at the fitted curve, and the logarithm of
+/// the ratio of the true density to this one, at the fit.
 pub fn effective(scales: &Scales, term: &Term) -> (DMatrix<f64>, f64) {
     let count = ordinates(term.effect).len();
     let q = whitened(scales, term).map_or(0.0, |own| own.2);

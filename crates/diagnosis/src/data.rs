@@ -5,17 +5,17 @@ use super::scales::scales;
 use super::split::{self, HeldOut, Split};
 use quell_model::{Experiment, Model};
 
-/// Length of held-out stretches of time, in periods of the mode: long enough that the noise of one is
-/// not the noise of its neighbours.
+/// Length of held-out stretches, in periods of the mode: long enough that the noise of neighbouring stretches
+/// is independent.
 const STRETCH: f64 = 3.0;
 
 /// The experiments of a diagnosis and what is held out of them.
 pub struct Data {
-    /// What is fitted.
+    /// The experiments that are fitted.
     pub experiments: Vec<Experiment>,
-    /// Its fitted rows.
+    /// Their fitted rows.
     pub train: Vec<Vec<Rows>>,
-    /// Its held-out rows; empty where whole recordings are held out.
+    /// Their held-out rows; empty where whole recordings are held out.
     pub held_out: Vec<Vec<Rows>>,
     /// Recordings that are held out as a whole.
     pub apart: Vec<Experiment>,
@@ -24,7 +24,7 @@ pub struct Data {
 }
 
 impl Data {
-    /// From experiments, and others that are held out; without these, stretches of them.
+    /// The data from experiments and others that are held out. Without the latter, stretches are held out.
     pub fn new(model: &Model, experiments: Vec<Experiment>, apart: Vec<Experiment>) -> Self {
         let scales = scales(model.kind, &model.keys(), &experiments, model);
         let (mut train, mut held_out) = (Vec::new(), Vec::new());
@@ -52,7 +52,7 @@ impl Data {
         }
     }
 
-    /// The same in long steps of the integration, where that spares some.
+    /// The same data in long steps of the integration; `None` where that saves none.
     pub fn in_long_steps(&self, model: &Model) -> Option<Self> {
         let long = |all: &[Experiment]| -> Vec<Option<Experiment>> {
             all.iter().map(|own| own.in_long_steps(model)).collect()

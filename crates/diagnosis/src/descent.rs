@@ -1,8 +1,8 @@
-//! Descent to the least cost: damped Gauss-Newton steps whose Jacobian is learned on the way.
+//! Descent to the least cost: damped Gauss-Newton steps whose Jacobian is updated on the way.
 //!
-//! A Jacobian costs a simulation for each unknown, a step costs one. So the Jacobian is taken once and
-//! then corrected by what every step shows (a rank-one update), and taken again only where a step
-//! fails or before the fit ends. Sources: Marquardt, SIAM J. Applied Mathematics 11 (1963); Broyden,
+//! A Jacobian costs a simulation for each unknown, a step costs one. So the Jacobian is computed once and then
+//! corrected after every step (a rank-one update). It is computed again only where a step fails, or before the
+//! fit ends. Sources: Marquardt, SIAM J. Applied Mathematics 11 (1963); Broyden,
 //! Mathematics of Computation 19 (1965).
 
 use super::fit::{Evaluated, Fitted, KnownSlopes, Linearised};
@@ -14,28 +14,28 @@ use nalgebra::{DMatrix, DVector};
 
 /// Damping at the start, as a share of the normal matrix' diagonal.
 const DAMPING: f64 = 1e-3;
-/// Least damping: the normal matrix' diagonal has that much of rounding and of differences in it.
+/// Least damping: the relative error of the normal matrix' diagonal by rounding and finite differences.
 const LEAST_DAMPING: f64 = 1e-6;
-/// Dampings that are tried for one step: up to one as short as that of steepest descent.
+/// Dampings that are tried for one step; the last one makes it as short as a step of steepest descent.
 const TRIES: usize = 8;
-/// Share of the promised fall of the cost below which the Jacobian is taken again (More, Numerical
+/// Share of the predicted fall of the cost below which the Jacobian is computed again (More, Numerical
 /// Analysis, Lecture Notes in Mathematics 630 (1978): below a quarter the step was too long).
 const POOR: f64 = 0.25;
 
-/// Most unknowns of an experiment for which the Jacobian is learned: a step corrects one direction of as
-/// many as there are unknowns.
+/// Most unknowns of an experiment for which the Jacobian is updated: a step corrects only one of as many
+/// directions as there are unknowns.
 const LEARNED: usize = 80;
 
-/// A fit on its way.
+/// A fit in progress.
 pub struct Descent<'a> {
     problem: &'a Problem<'a>,
     projector: &'a Projector,
     point: Point,
     linear: Linearised,
     damping: f64,
-    /// Whether the Jacobian was taken at this point.
+    /// Whether the Jacobian was computed at this point.
     exact: bool,
-    /// A point without the last effect.
+    /// Linearisation of a point without the last effect.
     near: Option<&'a Linearised>,
 }
 
@@ -49,7 +49,7 @@ impl Problem<'_> {
 }
 
 impl<'a> Descent<'a> {
-    /// From a point on; `near` is known of a point that has all unknowns but those of the last effect.
+    /// A descent from a point; `near` is the linearisation of a point without the unknowns of the last effect.
     pub fn new(
         problem: &'a Problem<'a>,
         projector: &'a Projector,
@@ -74,7 +74,7 @@ impl<'a> Descent<'a> {
         self.linear.cost
     }
 
-    /// One step, if the Jacobian as it is known leads to one.
+    /// One step, if the present Jacobian leads to one.
     pub fn glance(&mut self) {
         self.attempt(1);
     }
@@ -90,8 +90,8 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// The same, given up where a rival is ahead and two steps in a row came nearer to it by so little that
-    /// all that are left would not reach it.
+    /// As [`Self::run`], but stopped early where a rival is ahead and the gain of two steps in a row is so
+    /// small that all remaining steps would not reach it.
     pub fn run_against(&mut self, iterations: usize, rival: f64) {
         let mut slow = 0;
         for left in (0..iterations).rev() {
@@ -116,12 +116,12 @@ impl<'a> Descent<'a> {
         last.is_some_and(|term| term.effect.has_many_minima())
     }
 
-    /// The normal matrix where it is.
+    /// The normal matrix at the present point.
     pub fn normal(&self) -> DMatrix<f64> {
         self.problem.normal(&self.point, &self.linear)
     }
 
-    /// Another one, a step away; its Jacobian is this one's until a step shows better.
+    /// A descent from a point one step away. It uses this one's Jacobian until its own steps correct it.
     pub fn stepped(&self, step: &DVector<f64>) -> Self {
         let (own, problem) = (&self.linear, self.problem);
         let point = problem.stepped(&self.point, &own.globals, step);
@@ -142,7 +142,7 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Where it ended.
+    /// The end of the fit.
     pub fn end(self) -> Fitted {
         Fitted {
             cost: self.linear.cost,
@@ -151,13 +151,13 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Whether a fall of the cost decides nothing: a hundredth of a unit of chi-squared.
+    /// Whether a fall of the cost is negligible: a hundredth of a unit of chi-squared.
     fn is_little(&self, fall: f64) -> bool {
         fall < 0.01 + 1e-6 * self.linear.cost
     }
 
-    /// One step. With a Jacobian that was learned a step that fails, or does hardly anything, is made
-    /// again with one that is taken.
+    /// One step. If a step with an updated Jacobian fails or gains hardly anything, the Jacobian is computed
+    /// and the step repeated.
     fn step(&mut self) {
         let before = self.linear.cost;
         self.attempt(if self.exact { TRIES } else { 1 });
@@ -167,7 +167,7 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Tries more and more damped steps until one lowers the cost.
+    /// Tries one step with rising damping until the cost falls.
     fn attempt(&mut self, tries: usize) {
         let (point, linear) = (&self.point, &self.linear);
         let normal = self.problem.normal(point, linear);
@@ -188,8 +188,8 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// The damped step and the fall of the cost that it promises. Unknowns that it would push through
-    /// a bound stay where they are.
+    /// The damped step and its predicted fall of the cost. Unknowns that the step would push through a bound
+    /// stay where they are.
     fn proposed(&self, normal: &DMatrix<f64>, mut gradient: DVector<f64>) -> Option<(Point, f64)> {
         let globals = &self.linear.globals;
         let mut free = normal.clone();
@@ -214,7 +214,7 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Moves to a better point and corrects the Jacobian by what the step has shown.
+    /// Moves to a better point and corrects the Jacobian by the observed change.
     fn accept(&mut self, next: Point, there: Evaluated) {
         let globals = &self.linear.globals;
         let mut promised = self.problem.disbelief(&next);
@@ -241,8 +241,7 @@ impl<'a> Descent<'a> {
         (linear.runs, linear.residuals, linear.cost) = (there.runs, there.residuals, there.cost);
     }
 
-    /// The least change of a Jacobian, its unknowns in units of their typical sizes, that makes it
-    /// explain a step.
+    /// The smallest change of a Jacobian, its unknowns in units of their typical sizes, that reproduces a step.
     fn correct(&mut self, e: usize, way: &DVector<f64>, missed: &DVector<f64>) {
         let sizes = self.problem.sizes(&self.point, &self.linear.globals, e);
         let scaled = way.component_div(&sizes);
@@ -253,7 +252,7 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Takes the Jacobian at the present point.
+    /// Computes the Jacobian at the present point.
     fn take_jacobian(&mut self, here: Evaluated) {
         let known = self
             .near

@@ -1,4 +1,4 @@
-//! A series without the line through it.
+//! A series without its linear trend.
 
 /// The values without their mean and slope.
 pub fn detrended(values: &[f64]) -> Vec<f64> {

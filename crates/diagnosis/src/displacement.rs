@@ -5,11 +5,11 @@ use super::problem::Problem;
 use nalgebra::DVector;
 use quell_model::Experiment;
 
-/// Typical sizes that a shared unknown may move at once.
+/// Most typical sizes that a shared unknown may move in one step.
 const FARTHEST: f64 = 3.0;
 
 impl Problem<'_> {
-    /// A step away from a point, none of the shared unknowns further than three typical sizes at once.
+    /// A point one step away; no shared unknown moves more than three typical sizes in one step.
     pub fn moved(&self, point: &Point, globals: &[Global], step: &DVector<f64>) -> Point {
         let mut limited = step.clone();
         for (change, &global) in limited.iter_mut().zip(globals) {
@@ -19,7 +19,7 @@ impl Problem<'_> {
         self.stepped(point, globals, &limited)
     }
 
-    /// The point less a step over shared unknowns and every experiment's own, kept within the bounds.
+    /// The point minus a step over the shared unknowns and every experiment's own, kept within the bounds.
     pub fn stepped(&self, point: &Point, globals: &[Global], step: &DVector<f64>) -> Point {
         let mut next = point.clone();
         for (&change, &global) in step.iter().zip(globals) {
@@ -50,7 +50,7 @@ impl Problem<'_> {
         globals.len() + self.experiments.iter().enumerate().map(own).sum::<usize>()
     }
 
-    /// What an experiment sees of the way from one point to another, in the order of its Jacobian.
+    /// The displacement from one point to another as an experiment sees it, in the order of its Jacobian.
     pub fn way(&self, from: &Point, to: &Point, globals: &[Global], e: usize) -> DVector<f64> {
         let (old, new) = (&from.locals[e], &to.locals[e]);
         let shared = globals.iter().map(|&g| self.get(to, g) - self.get(from, g));
@@ -75,7 +75,7 @@ impl Problem<'_> {
         DVector::from_vec(all)
     }
 
-    /// Typical size of a shared unknown, or a tenth of what it is.
+    /// Typical size of a shared unknown, or a tenth of its value.
     fn size(&self, point: &Point, global: Global) -> f64 {
         let here = self.get(point, global).abs();
         self.typical(point, global).max(0.1 * here)

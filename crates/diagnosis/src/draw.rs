@@ -11,7 +11,7 @@ use quell_recording::Role;
 use quell_signal::{CubicSpline, End, Window, spectrum};
 use std::f64::consts::TAU;
 
-/// Recorded, before and after, residuals' spectra, and what was located.
+/// Series of a report: recorded, before and after, spectra of the residuals, location.
 pub fn draw(
     search: &Search,
     before: &Explanation,
@@ -50,7 +50,8 @@ pub fn draw(
     }
 }
 
-/// What the missing part follows, with units: at a sensor it is the residual itself.
+/// The coordinate that the missing part follows, with units. At a sensor the missing part is the residual
+/// itself.
 fn coordinate(experiment: &Experiment, located: &Located) -> Option<CoordinateTrace> {
     let position = &experiment.position_unit;
     let trace = located.coordinate.clone()?;
@@ -101,7 +102,7 @@ fn trace(experiment: &Experiment, output: &Output, old: &[f64], new: &[f64]) -> 
     }
 }
 
-/// The output as it is shown: a link position as deformation.
+/// An output as it is drawn: a link position as deformation.
 pub fn shown(experiment: &Experiment, output: &Output) -> Vec<f64> {
     let rigid = rigid(experiment, output);
     output
@@ -112,7 +113,7 @@ pub fn shown(experiment: &Experiment, output: &Output) -> Vec<f64> {
         .collect()
 }
 
-/// What is taken from a link position so that one can see its deformation.
+/// The rigid motion that is subtracted from a link position, so that its deformation is visible.
 fn rigid(experiment: &Experiment, output: &Output) -> Vec<f64> {
     let kinematic = matches!(
         experiment.input,
@@ -134,7 +135,7 @@ fn rigid(experiment: &Experiment, output: &Output) -> Vec<f64> {
     })
 }
 
-/// Spectra of the residuals, on an even grid of the mean period where the stamps are not even.
+/// Spectra of the residuals. Uneven stamps are first brought to an even grid of the mean period.
 fn spectra(trace: &OutputTrace) -> SpectrumTrace {
     let n = trace.time.len();
     let period = (trace.time[n - 1] - trace.time[0]) / (n.max(2) - 1) as f64;

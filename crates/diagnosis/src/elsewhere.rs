@@ -1,4 +1,4 @@
-//! What the data say of physics that is not this joint's.
+//! Evidence in the data for physics outside of this joint.
 
 use super::detrended::detrended;
 use super::found::Found;
@@ -10,11 +10,11 @@ use nalgebra::DVector;
 use quell_model::Experiment;
 use quell_signal::noise_floor;
 
-/// Standard deviations beyond which it is not chance that a number is not the expected one.
+/// Standard deviations beyond which the difference from an expected number is not chance.
 const CHANCE: f64 = 5.0;
 
 impl Search<'_> {
-    /// What the data say of physics that is not this joint's, where the best explanation leaves more than noise.
+    /// A sentence on physics outside of this joint, where the best explanation leaves more than noise.
     pub fn elsewhere(&self, found: &Found) -> Option<String> {
         let point = &found.best.fitted.point;
         let left = |e| self.problem.explained(point, e).swap_remove(0);
@@ -22,7 +22,7 @@ impl Search<'_> {
     }
 }
 
-/// What is left while the input rests, once what the joint itself stores has rung down: it is not the joint's own.
+/// The residual while the input rests, after the joint's own vibration has decayed: it is not the joint's.
 fn at_rest(problem: &Problem, left: impl Fn(usize) -> Vec<f64>) -> Option<String> {
     let (mut chi, mut rows, mut dependent) = (0.0, 0, 0.0);
     for (e, experiment) in problem.experiments.iter().enumerate() {
@@ -31,7 +31,8 @@ fn at_rest(problem: &Problem, left: impl Fn(usize) -> Vec<f64>) -> Option<String
         for (from, to) in resting(problem, experiment, noise) {
             let first = output.time.partition_point(|time| *time < from);
             let last = output.time.partition_point(|time| *time <= to);
-            // Friction holds a deformation, and a load creeps.
+            // A constant or a linear change is the joint's own: friction holds a deformation, and a load
+            // creeps.
             let own = DVector::from_vec(detrended(&left[first..last]));
             chi += own.norm_squared() / noise.powi(2);
             dependent += own.len() as f64 * correlation(&own);
@@ -40,7 +41,7 @@ fn at_rest(problem: &Problem, left: impl Fn(usize) -> Vec<f64>) -> Option<String
     }
     let (chi, count) = (chi / rows as f64, rows as f64);
     let independent = count * count / dependent;
-    // The mean of squares of so many values.
+    // Relative scatter of the mean square of so many values.
     let chance = CHANCE * (2.0 / independent).sqrt();
     (rows > 0 && chi > FLOOR * (1.0 + chance)).then(|| {
         format!(
@@ -51,8 +52,8 @@ fn at_rest(problem: &Problem, left: impl Fn(usize) -> Vec<f64>) -> Option<String
     })
 }
 
-/// Stretches, s, in which the input rests and nothing that it set in motion is left: a mode of the largest deformation
-/// has decayed to the noise.
+/// Stretches, s, in which the input rests and its vibration has decayed: a mode of the largest deformation has
+/// fallen to the noise.
 fn resting(problem: &Problem, experiment: &Experiment, noise: f64) -> Vec<(f64, f64)> {
     let scales = &problem.scales;
     if scales.forced || scales.rigid {

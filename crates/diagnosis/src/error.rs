@@ -1,4 +1,4 @@
-//! Why a diagnosis cannot be made.
+//! Reasons why a diagnosis cannot be made.
 
 use quell_model::ExperimentError;
 use quell_recording::Role;

@@ -1,4 +1,4 @@
-//! Events that happen more than once: a machine that was hit once is hit again.
+//! Events that happen more than once, such as repeated impacts.
 
 use super::descent::Descent;
 use super::evidence::CALIBRATED;
@@ -11,8 +11,8 @@ use quell_model::Term;
 use std::cmp::Ordering;
 
 impl Search<'_> {
-    /// An explanation whose last effect is an event, with further ones of its kind at the instants at which
-    /// something seems to happen: each must raise the evidence.
+    /// An explanation whose last effect is an event, plus further events of its kind at candidate instants.
+    /// Each must raise the evidence.
     pub(super) fn recurring(&self, explanation: Explanation) -> Explanation {
         let point = &explanation.fitted.point;
         let last = point.terms.last();
@@ -56,7 +56,8 @@ impl Search<'_> {
         }
     }
 
-    /// Events in the order of their times, all fitted together, without those that the others have made needless.
+    /// Events in the order of their times, fitted together, without those that are not needed beside the
+    /// others.
     fn together(
         &self,
         found: Explanation,
@@ -91,8 +92,8 @@ impl Search<'_> {
         }
     }
 
-    /// A point whose last term is an event, with its size by one step from where all else is known; none where it
-    /// promises less than an effect must gain to be worth its prior odds.
+    /// A point whose last term is an event, with its size from one step while all else is known. `None` where
+    /// its expected gain does not exceed the prior odds of an effect.
     fn sized(&self, point: &Point, known: &Linearised, temperature: f64) -> Option<Point> {
         let last = point.terms.len() - 1;
         let when = point.terms[last].effect.event_time()?;

@@ -7,24 +7,25 @@
 //! ln p(y) = -|r|^2 / 2T - c / 2 - ln det(I + W J'J W / T) / 2 + ln p(structure)
 //! ```
 //!
-//! where `c` is twice the negative logarithm of the prior density at the fit, which no temperature makes cheaper. The
-//! fit is that of `T = 1`. With the halves `p` of the gradient of `c` and `g = W J'r` of what is yet to be fitted, both
-//! about the fit, the optimum at another temperature is better by
+//! where `c` is twice the negative logarithm of the prior density at the fit, which does not depend on the
+//! temperature. The fit is that of `T = 1`. Let `p` be half the gradient of `c`, and `g = W J'r` the gradient
+//! by what is not fitted yet, both at the fit. Then the optimum at another temperature is better by
 //!
 //! ```text
 //! h' (I + W J'J W / T)^-1 h ,   h = g / T + (1 - 1 / T) p
 //! ```
 //!
-//! What was held out counts by its predictive density, the errors of the fit carried over: with residuals `q`, their
-//! derivatives `H` and the covariance `S = (J'J + W^-2)^-1` of the unknowns,
+//! Held-out rows count by their predictive density, with the errors of the fit propagated: with residuals `q`,
+//! their derivatives `H` and the covariance `S = (J'J + W^-2)^-1` of the unknowns,
 //!
 //! ```text
 //! ln p(y_held | y) = -q' (I + H S H')^-1 q / 2T - ln det(I + H S H') / 2
 //! ```
 //!
-//! Both together are the marginal likelihood of the whole recording. The temperature `T` is the chi-squared a row of
-//! what the best explanation leaves, times the samples of it that say as much as one independent one: where that is
-//! more than noise, what is left is no better known than by its own size and correlation.
+//! The sum of both is the marginal likelihood of the whole recording. The temperature `T` is the chi-squared
+//! per row of the best explanation's residual, times the number of its samples that are worth one independent
+//! sample. If the residual is more than noise, it is thus known no better than its own size and correlation
+//! allow.
 //!
 //! Source: MacKay, Neural Computation 4 (1992); Kass and Raftery, J. American Statistical Association 90 (1995).
 
@@ -37,39 +38,41 @@ use super::shape::Corrections;
 use super::views::{Views, joined, local_sizes};
 use nalgebra::{DMatrix, DVector};
 
-/// Width of the prior of what a recording alone has (a clock's offset, how it starts), in typical sizes.
+/// Width of the prior of a recording's own unknowns (a clock's offset, its start), in typical sizes.
 const LOCAL: f64 = 10.0;
 
 /// Temperature of the evidence where only noise is left.
 ///
-/// The likelihood takes the noise for Gaussian, of known level and colour, and the input for exact. Neither is so: the
-/// level is known within a tenth, and an encoder's rounding is coherent with the motion. On recordings in which nothing
-/// was hidden the best effect lowered the criterion by up to 29, on such with an effect the true one by 88 or more; at
-/// this temperature the former pays less, the latter more, than what one more effect costs.
+/// The likelihood takes the noise for Gaussian, of known level and colour, and the input for exact. Neither
+/// holds: the level is known within a tenth, and an encoder's rounding is coherent with the motion. On
+/// recordings without a hidden effect the best effect lowered the criterion by up to 29. On recordings with one
+/// the true effect lowered it by 88 or more. At this temperature the former is less than the cost of one more
+/// effect, the latter is more.
 pub const CALIBRATED: f64 = 4.0;
 
-/// Log of the prior probability that a law has exactly the shape of the catalogue, and that it has not.
+/// Log of the prior probability that a law has exactly the shape of the catalogue; the opposite has the same.
 const EXACT_OR_NOT: f64 = -std::f64::consts::LN_2;
 
-/// What the marginal likelihood of a fitted structure is made of.
+/// The parts of the marginal likelihood of a fitted structure.
 #[derive(Clone, Debug)]
 pub struct Evidence {
     /// With laws of exactly the shape of the catalogue.
     exact: Marginal,
-    /// With an uncertain shape, where there is a law that has one.
+    /// With an uncertain shape; `None` where no law has one.
     shaped: Option<Marginal>,
     /// Root `W W'` of the prior covariance of what was fitted.
     scale: DMatrix<f64>,
-    /// `|q|^2` of what was held out.
+    /// `|q|^2` of the held-out rows.
     held_out: f64,
     /// Log of the prior probability of the structure.
     prior: f64,
-    /// Whether what was held out counts: a window of its own has a start of its own, which takes most of an error.
+    /// Whether held-out rows count. They do not where each window has its own start, which absorbs most of an
+    /// error.
     foresees: bool,
 }
 
 impl Evidence {
-    /// Of a fitted structure, laws having a shape that is uncertain where `shaped`.
+    /// The evidence of a fitted structure; its laws have an uncertain shape where `shaped`.
     pub fn new(problem: &Problem, views: &Views, fitted: &Fitted, shaped: bool) -> Self {
         let point = &fitted.point;
         let here = views.see(point);
@@ -90,7 +93,7 @@ impl Evidence {
             let step = asked_for(&both[0], &unfitted);
             let sizes = -step.rows_range(scale.ncols()..);
             let own = &scale * step.rows(0, scale.ncols());
-            // What the corrections explain in truth, and not only to first order.
+            // The part that the corrections really explain, beyond first order.
             let moved = problem.stepped(point, &fitted.globals, &own);
             let there = views.see(&corrections.applied(&moved, &sizes));
             let mut marginal =
@@ -113,18 +116,18 @@ impl Evidence {
         }
     }
 
-    /// Log marginal likelihood of what was fitted and of what was held out, up to what all structures share.
+    /// Log marginal likelihood of fitted and held-out rows, up to a constant that all structures share.
     pub fn log(&self, temperature: f64) -> f64 {
         self.of_fitted(temperature) + self.of_held_out(temperature)
     }
 
-    /// Log marginal likelihood of what was fitted, and of the structure.
+    /// Log marginal likelihood of the fitted rows, plus the log prior of the structure.
     pub fn of_fitted(&self, temperature: f64) -> f64 {
         let (marginal, prior) = self.likelier(temperature);
         marginal.of_fitted(temperature) + prior + self.prior
     }
 
-    /// Log predictive density of what was held out.
+    /// Log predictive density of the held-out rows.
     pub fn of_held_out(&self, temperature: f64) -> f64 {
         match self.foresees {
             true => self.likelier(temperature).0.of_held_out(temperature),
@@ -132,7 +135,7 @@ impl Evidence {
         }
     }
 
-    /// Laws of exact or of uncertain shape, what is likelier, and its prior.
+    /// The likelier of exact and uncertain shapes, with its log prior.
     fn likelier(&self, temperature: f64) -> (&Marginal, f64) {
         let Some(shaped) = &self.shaped else {
             return (&self.exact, 0.0);
@@ -157,28 +160,28 @@ impl Evidence {
         variances.iter().map(|variance| variance.sqrt()).collect()
     }
 
-    /// Sum of squares of the fitted rows beyond what the laws' shapes could be wrong by.
+    /// Sum of squares of the fitted rows beyond a possible error of the laws' shapes.
     pub fn left(&self) -> f64 {
         self.likelier(1.0).0.left
     }
 
-    /// Samples of what is left that say as much as one independent one.
+    /// Number of samples of the residual that are worth one independent sample.
     pub fn correlation(&self) -> f64 {
         self.likelier(1.0).0.correlation
     }
 
-    /// Sum of squares of what was held out.
+    /// Sum of squares of the held-out rows.
     pub fn held_out(&self) -> f64 {
         self.held_out
     }
 
-    /// `q' (I + H S H')^-1 q`: chi-squared of what was held out beyond the errors of the fit.
+    /// `q' (I + H S H')^-1 q`: chi-squared of the held-out rows beyond the errors of the fit.
     pub fn held_out_beyond_fit(&self) -> f64 {
         self.likelier(1.0).0.beyond.0
     }
 }
 
-/// Columns beside others.
+/// The columns of two matrices side by side.
 fn beside(first: &DMatrix<f64>, second: &DMatrix<f64>) -> DMatrix<f64> {
     let (left, right) = (first.ncols(), second.ncols());
     let mut all = first.clone().resize_horizontally(left + right, 0.0);
@@ -186,7 +189,8 @@ fn beside(first: &DMatrix<f64>, second: &DMatrix<f64>) -> DMatrix<f64> {
     all
 }
 
-/// Step of all unknowns, of which the last have this half of a gradient; a fit ended where the first have none.
+/// Newton step of all unknowns. `unfitted` is half the gradient by the last ones; at the end of a fit that by
+/// the first ones is 0.
 fn asked_for(slopes: &DMatrix<f64>, unfitted: &DVector<f64>) -> DVector<f64> {
     let (all, last) = (slopes.ncols(), unfitted.len());
     let mut gradient = DVector::zeros(all);
@@ -194,8 +198,8 @@ fn asked_for(slopes: &DMatrix<f64>, unfitted: &DVector<f64>) -> DVector<f64> {
     inverse(&slopes.tr_mul(slopes)).0 * gradient
 }
 
-/// Half the gradient of the prior's cost by all unknowns, of which there are so many; keys are fitted as they are
-/// believed, whatever the temperature.
+/// Half the gradient of the prior's cost by all `count` unknowns. Keys are left out: they are fitted with their
+/// beliefs at any temperature.
 fn pull(problem: &Problem, fitted: &Fitted, count: usize) -> DVector<f64> {
     let mut pull = DVector::zeros(count);
     for belief in problem.beliefs_at(&fitted.point) {
@@ -209,8 +213,8 @@ fn pull(problem: &Problem, fitted: &Fitted, count: usize) -> DVector<f64> {
     pull
 }
 
-/// Root of the prior covariance of all unknowns, and the log of the prior density of learned curves over that of the
-/// Gaussian ones in it.
+/// Root of the prior covariance of all unknowns, and the log of the ratio of the prior density of learned
+/// curves to that of the Gaussian ones in the covariance.
 fn scale(problem: &Problem, point: &Point) -> (DMatrix<f64>, f64) {
     let globals = problem.globals(point);
     let shared = globals.iter().map(|g| problem.prior_width(point, *g));

@@ -1,8 +1,8 @@
-//! Whether recordings can say anything of a model: no information is not health.
+//! Whether recordings contain information about a model: a good fit without information proves nothing.
 //!
-//! A channel that does not vary carries nothing ([`carried`]). A motion excites a model where an unknown that
-//! is wrong by what is commonly believed of it would be seen above the noise ([`Untold`]). Where it would not, the
-//! model fits whatever it says, and its fit is no evidence for it.
+//! A channel that does not vary carries nothing ([`carried`]). A motion excites a model if an error of an
+//! unknown, as large as its usual uncertainty, would be seen above the noise ([`Untold`]). If it would not, the
+//! model fits with wrong values, too, and its fit is no evidence for it.
 
 mod at_rest;
 mod carried;

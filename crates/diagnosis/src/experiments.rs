@@ -1,4 +1,4 @@
-//! The experiments that recordings are, and what couples them to what was measured.
+//! Experiments from recordings, and their coupling to the measured motion.
 
 use super::error::DiagnosisError;
 use super::excitation::at_rest;
@@ -10,13 +10,13 @@ use quell_recording::Role;
 use quell_signal::noise_floor;
 use std::f64::consts::PI;
 
-/// Share of the driving force that an error of it has, which a coupled motor side must show: a tenth of what a law of
-/// the catalogue typically takes.
+/// Least error of the driving force that a coupled motor side must show, as a share of the force: a tenth of
+/// the typical size of a law of the catalogue.
 const SEEN: f64 = 0.01;
 /// `w t` after which an error has fallen to a twentieth: `(1 + w t) exp(-w t)`.
 const FORGOTTEN: f64 = 4.74;
 
-/// One for each recording, or stretch of one.
+/// One experiment for each recording, or stretch of one.
 pub fn experiments(
     model: &Model,
     stretches: &Stretches,
@@ -30,15 +30,17 @@ pub fn experiments(
     Ok(all)
 }
 
-/// The same, each motor side coupled to its measured motion; none where one of them is not seen so.
+/// The experiments with each motor side coupled to its measured motion; `None` if one of them would not show an
+/// error of the force.
 pub fn coupled(model: &Model, all: &[Experiment]) -> Option<Vec<Experiment>> {
     let one = |own: &Experiment| Some(own.coupled(rate(model, own)?));
     all.iter().map(one).collect()
 }
 
-/// Rate of the coupling, rad/s: the strongest that still shows an error of the force, if it forgets before the motion
-/// turns. With a rate `w` a force that is wrong by `dF` moves a mass `m` by `dF / (m w^2)`, which has to be above the noise
-/// of the encoder. The motion turns after half a period of the vibration whose acceleration and position are as large.
+/// Rate of the coupling, rad/s: the strongest one that still shows an error of the force. `None` if the
+/// response has not decayed before the motion turns. With a rate `w` a force error `dF` moves a mass `m` by `dF
+/// / (m w^2)`, which must be above the encoder's noise. The motion turns after half a period of a vibration of
+/// the same acceleration and position.
 fn rate(model: &Model, own: &Experiment) -> Option<f64> {
     let mut outputs = own.outputs.iter();
     let encoder = outputs.find(|output| output.role == Role::MotorPosition)?;
@@ -53,7 +55,8 @@ fn rate(model: &Model, own: &Experiment) -> Option<f64> {
     (rate * turns > FORGOTTEN).then_some(rate)
 }
 
-/// Rate of a coupling that remembers four samples, rad/s: what a sampled force is wrong by within a sample stays small.
+/// Rate of a coupling with a memory of four samples, rad/s: the error of a sampled force between its samples
+/// stays small.
 fn strongest(experiment: &Experiment) -> f64 {
     let (from, until) = experiment.span();
     let samples = experiment.input_time.len() as f64 - 1.0;

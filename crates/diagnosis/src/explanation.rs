@@ -1,4 +1,4 @@
-//! An explanation: a structure, fitted, and how it does on what was held out.
+//! An explanation: a fitted structure, and its score on held-out data.
 
 use super::evidence::Evidence;
 use super::fit::Fitted;
@@ -30,7 +30,7 @@ impl Explanation {
         self.fitted.point.effects()
     }
 
-    /// Number of terms that were added to the model: an event may have several.
+    /// Number of terms that were added to the model. An event may have several.
     pub fn terms(&self) -> usize {
         self.fitted.point.terms.len() - self.fitted.point.given_terms
     }
@@ -42,12 +42,12 @@ impl Explanation {
         added.any(|term| term.effect.is_learned())
     }
 
-    /// Whether another one has the same effects at the same places, as often, in whatever order.
+    /// Whether another explanation has the same effects at the same places and as often, in any order.
     pub fn is_like(&self, other: &Self) -> bool {
         self.has_structure_of(&other.fitted.point)
     }
 
-    /// Whether a point has the same effects at the same places, as often, in whatever order.
+    /// Whether a point has the same effects at the same places and as often, in any order.
     pub fn has_structure_of(&self, other: &Point) -> bool {
         self.fitted.point.structure() == other.structure()
     }
@@ -59,7 +59,7 @@ impl Explanation {
 }
 
 impl Judge<'_> {
-    /// Chi-squared per row, at least 1: what the best model leaves is the unit of evidence.
+    /// Chi-squared per row, at least 1: the residual of the best model is the unit of evidence.
     pub fn unit(&self, explanation: &Explanation) -> f64 {
         (explanation.train / self.train_rows.max(1) as f64).max(1.0)
     }
@@ -68,7 +68,7 @@ impl Judge<'_> {
     pub fn judge(&self, problem: &Problem, projector: &Projector, fitted: Fitted) -> Explanation {
         let train = fitted.cost - problem.disbelief(&fitted.point);
         let views = Views::new(self, problem, projector, &fitted.point);
-        // Where only noise is left, no other shape would leave less.
+        // If only noise is left, no other shape leaves less.
         let shaped = train > self.train_rows as f64 * FLOOR;
         let evidence = Evidence::new(problem, &views, &fitted, shaped);
         Explanation {

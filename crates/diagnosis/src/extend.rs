@@ -1,4 +1,4 @@
-//! Candidates on top of an explanation: located in what it leaves, screened, and fitted by successive halving.
+//! Candidates on top of an explanation: located in its residual, screened, and fitted by successive halving.
 
 use super::candidate::Candidate;
 use super::evidence::CALIBRATED;
@@ -12,9 +12,10 @@ use super::successive_halving::Halving;
 
 /// Candidates that are fitted after the screen.
 const FITTED: usize = 10;
-/// Learned laws that are fitted after the screen, which tells of each the curve that is likeliest.
+/// Learned laws that are fitted after the screen, each from its likeliest curve.
 const LEARNED: usize = 3;
-/// Sizes of each candidate that a fit starts from: a law with a time or a length has a basin for each few of them.
+/// Sizes of each candidate from which a fit starts: a law with a time or a length has a basin for every few of
+/// them.
 const SIZES: usize = 8;
 
 impl Search<'_> {
@@ -32,15 +33,15 @@ impl Search<'_> {
         let linear = (!self.known.alone).then(|| problem.linearise(point, self.projector));
         let mut found = Vec::new();
         if let Some(linear) = &linear {
-            // What a further effect must gain to be worth its prior odds, were what is left not correlated: of
-            // a residual that is, an effect may take all.
+            // The gain that a further effect needs to outweigh its prior odds, for an uncorrelated residual. In
+            // a correlated one an effect may explain everything.
             let fall = -2.0 * CALIBRATED * pool.unit(self.judge) * problem.log_prior_of_one();
             found = search.screened(from, linear, table, fall);
         }
         search.add_known(from, &mut found);
         let mut halving = Halving::new(&search, from, linear.as_ref());
         halving.enter(found);
-        // Laws that are learned are held against those of the catalogue that are known.
+        // Learned laws compete with the best explanation that is known.
         let rival = match table {
             Table::Named => f64::INFINITY,
             Table::Learned => pool.best(self.judge).fitted.cost,
@@ -74,7 +75,7 @@ impl Search<'_> {
         fall: f64,
     ) -> Vec<Candidate> {
         let (problem, point) = (self.problem, &from.fitted.point);
-        // A mismatch that the refitted keys have absorbed is found from what the engineer believes.
+        // A mismatch that the refitted keys have absorbed is found from the believed values.
         let mut believed = point.clone();
         for &key in &problem.free {
             believed.keys[key] = problem.beliefs[key].0;
@@ -100,7 +101,7 @@ impl Search<'_> {
             .collect()
     }
 
-    /// What is known with one effect more than the explanation has.
+    /// Adds the known explanations that have exactly one effect more than this one.
     fn add_known(&self, from: &Explanation, found: &mut Vec<Candidate>) {
         let own = from.effects();
         for known in &self.known.points {
@@ -120,7 +121,7 @@ impl Search<'_> {
         }
     }
 
-    /// For who wants to follow the search.
+    /// Logs a candidate of the search, for debugging.
     fn log(&self, own: &Explanation, from: &Explanation, temperature: f64) {
         let over_noise = |chi: f64, rows: usize| (chi / rows.max(1) as f64).sqrt();
         let terms = own.fitted.point.terms.iter();
@@ -157,7 +158,8 @@ fn add_far(found: &mut Vec<Candidate>, effect: EffectAt, mut far: Vec<Point>) {
     }
 }
 
-/// Starts of the best candidates, those of one effect and place together, which promise that much.
+/// Starts of the best candidates, grouped by effect and place; each promises a fall of the cost of at least
+/// `fall`.
 fn chosen(starts: Vec<Start>, fall: f64, most: usize) -> Vec<Vec<Start>> {
     let mut groups: Vec<Vec<Start>> = Vec::new();
     for start in starts {

@@ -15,8 +15,8 @@ use quell_model::effects::ParameterRole;
 
 /// Step of a derivative in typical sizes of a change.
 const FINE: f64 = 1e-3;
-/// The same of an effect whose misfit has many minima: wider than the ripples, of contacts that come or
-/// go.
+/// The same for an effect whose misfit has many minima: wider than the ripples that contacts make as they come
+/// and go.
 const COARSE: f64 = 3e-2;
 
 /// A fitted structure.
@@ -36,13 +36,13 @@ pub struct Evaluated {
     pub runs: Vec<Run>,
     /// Weighted residuals of each experiment.
     whole: Vec<DVector<f64>>,
-    /// The same, linear nuisances projected out.
+    /// The same with the linear nuisances projected out.
     pub residuals: Vec<DVector<f64>>,
     /// Cost at the point.
     pub cost: f64,
 }
 
-/// The normal equations at a point, all unknowns but the linear ones.
+/// The normal equations at a point, for all unknowns but the linear ones.
 pub struct Linearised {
     /// The experiments.
     pub runs: Vec<Run>,
@@ -52,20 +52,20 @@ pub struct Linearised {
     pub jacobians: Vec<DMatrix<f64>>,
     /// The shared unknowns.
     pub globals: Vec<Global>,
-    /// Components of the starts, whose unknowns follow.
+    /// Free components of the starts; their unknowns follow the shared ones.
     pub departures: Vec<StartComponent>,
     /// Cost at the point.
     pub cost: f64,
 }
 
-/// Derivatives that are known of a point without the last effect.
+/// Known derivatives of a point without the last effect.
 #[derive(Clone, Copy)]
 pub enum KnownSlopes<'a> {
     /// None.
     Nothing,
-    /// Those for all that it has.
+    /// Those of all its unknowns.
     All(&'a Linearised),
-    /// Those for the ordinates of its learned laws, in which a motion is nearly linear.
+    /// Those of the ordinates of its learned laws: the motion is nearly linear in them.
     Ordinates(&'a Linearised),
 }
 
@@ -132,7 +132,7 @@ impl Problem<'_> {
         )
     }
 
-    /// Derivatives at a point whose residuals are known, those that are known being taken over.
+    /// Residuals and derivatives at a point whose residuals are known; known derivatives are reused.
     pub fn slopes(
         &self,
         point: &Point,
@@ -166,7 +166,7 @@ impl Problem<'_> {
             for component in self.departures(point) {
                 let there = near.filter(|near| !ordinates && near.departures.contains(&component));
                 match there {
-                    // The starts are those of the nearer point, in its order.
+                    // The starts are those of `near`, in the same order.
                     Some(near) => {
                         let first = columns.len() + near.globals.len() - globals.len();
                         let count = self.starts_of(point, e, component).len();
@@ -198,7 +198,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Derivative by a difference of a small share of its [`reach`](Problem::reach), away from a bound.
+    /// Derivative by a difference over a small share of [`reach`](Problem::reach), away from a bound.
     fn slope(
         &self,
         p: &Point,
@@ -236,8 +236,8 @@ impl Problem<'_> {
         (self.complete(e, &moved.residuals) - at) / change
     }
 
-    /// Derivatives by a component of the start of each window. A start is seen in its own window and, by
-    /// what a sensor remembers, in the next: every second window is moved at once.
+    /// Derivatives by a component of the start of each window. A start affects its own window and, through the
+    /// memory of a sensor, the next one. So every second window is moved at once.
     fn start_slopes(
         &self,
         p: &Point,

@@ -1,31 +1,32 @@
-//! Whether what an explanation leaves grows with the motion, as what a model lacks does, and noise does not.
+//! Whether a residual grows with the motion. Missing physics does, noise does not.
 
 use super::detrended::detrended;
 use super::point::Point;
 use super::problem::Problem;
 use super::thresholds::FLOOR;
 
-/// Fewest windows whose powers tell how much such powers scatter.
+/// Fewest windows from which the scatter of their powers is known.
 const FEWEST: usize = 3;
-/// Standard deviations that chance exceeds once in twenty times.
+/// One-sided 95 % of the normal distribution.
 const CHANCE: f64 = 1.64;
 
-/// What a window of a recording has.
+/// The powers in one window of a recording.
 struct Powers {
-    /// Of the motion, in that of the whole recording.
+    /// Power of the motion, relative to that of the whole recording.
     motion: f64,
-    /// Of the residual of each output, in that of its noise.
+    /// Power of the residual of each output, relative to that of its noise.
     left: Vec<f64>,
 }
 
 impl Problem<'_> {
-    /// Whether what a point leaves grows with the motion; `None` where too few periods were recorded to tell, or where a
-    /// force drives the motor side freely, and errors add up.
+    /// Whether the residual at a point grows with the motion. `None` where too few periods were recorded, or
+    /// where a force drives the motor side freely, since errors then add up.
     ///
-    /// The windows of a period, by the power of their motion, are a third `a` that moves least and a third `b` that moves
-    /// most. Were the power `e` beyond that of the noise a mismatch in proportion to the motion's power `m`, the logarithm
-    /// of the residual's would rise by `ln (1 + e m_b) - ln (1 + e m_a)`; of noise it does not rise. What rises by less
-    /// than half of that, with 95 % confidence, is noise: the likelihoods of both are equal there.
+    /// The windows have the length of a period. By the power of their motion, `a` is the third that moves least
+    /// and `b` the third that moves most. Let `e` be the residual's power beyond the noise. If it were a
+    /// mismatch proportional to the motion's power `m`, the logarithm of the residual's power would rise by `ln
+    /// (1 + e m_b) - ln (1 + e m_a)`; for noise it does not rise. If the rise is less than half of that, with
+    /// 95 % confidence, the residual is noise: at half of it both likelihoods are equal.
     pub fn follows_motion(&self, point: &Point) -> Option<bool> {
         if self.scales.forced {
             return None;
@@ -50,7 +51,8 @@ impl Problem<'_> {
         Some((0..outputs).any(grows))
     }
 
-    /// Of the windows of an experiment. What stands still, or creeps, is not left: friction holds a deformation at rest.
+    /// The powers of the windows of an experiment. A constant or linear residual is taken out: friction holds a
+    /// deformation at rest.
     fn powers(&self, point: &Point, e: usize) -> Vec<Powers> {
         let experiment = &self.experiments[e];
         let residuals = self.explained(point, e);
@@ -88,7 +90,7 @@ impl Problem<'_> {
     }
 }
 
-/// Not a number where there are none.
+/// Mean of the values; NaN where there are none.
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), own| (sum + own, count + 1.0));
     sum / count

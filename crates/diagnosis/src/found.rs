@@ -1,5 +1,5 @@
-//! What a search found: the explanation that is told, those that cannot be told from it, and how probable each
-//! effect is.
+//! The result of a search: the reported explanation, those that the data cannot tell from it, and the
+//! probability of each effect.
 
 use super::explanation::Explanation;
 use super::point::{EffectAt, Global, Point};
@@ -8,39 +8,40 @@ use super::search::Search;
 use quell_model::effects::ParameterRole;
 use std::f64::consts::TAU;
 
-/// Share of the probability that the credible set holds: the widths of priors are known within a few times.
+/// Share of the probability that the credible set holds. The widths of priors are known only within a factor of
+/// a few.
 pub const CREDIBLE: f64 = 0.99;
-/// Log of the predictive density that chance takes from what was held out: odds that are not worth more than a bare
-/// mention (Kass and Raftery 1995).
+/// Fall of the log predictive density of held-out rows that chance may cause: such odds are "not worth more
+/// than a bare mention" (Kass and Raftery 1995).
 const BARE_MENTION: f64 = 1.0;
 
 /// What a search found.
 pub struct Found {
     /// The refitted model.
     pub baseline: Explanation,
-    /// The explanation that is told; the baseline where none is.
+    /// The reported explanation; the baseline where no effect is reported.
     pub best: Explanation,
     /// Others of the credible set, the most probable first.
     pub equals: Vec<Explanation>,
-    /// The best one without each of its effects, refitted.
+    /// The best explanation without each of its effects, refitted.
     pub ablated: Vec<Explanation>,
-    /// All that were looked at, the most probable first, with the share of probability.
+    /// All explanations of the search, the most probable first, each with its probability.
     pub ranked: Vec<(Explanation, f64)>,
     /// Temperature of the evidence.
     pub temperature: f64,
 }
 
-/// What is told of a pool.
+/// The reported explanation of a pool.
 struct Told {
     best: Explanation,
-    /// Without each of its effects.
+    /// The best explanation without each of its effects.
     ablated: Vec<Explanation>,
-    /// More probable ones that are not told.
+    /// More probable explanations that are not reported.
     refused: Vec<Explanation>,
 }
 
 impl Search<'_> {
-    /// Tells what a pool says.
+    /// The conclusions from a pool.
     pub fn found(&self, mut pool: Pool) -> Found {
         let told = self.told(&mut pool);
         let temperature = pool.temperature(self.judge);
@@ -64,13 +65,13 @@ impl Search<'_> {
         }
     }
 
-    /// The most probable explanation whose parameters mean something, that predicts what was held out better than the
-    /// model without it, and of whose effects none makes that prediction worse.
+    /// The most probable explanation that meets three conditions: its parameters are meaningful, it predicts
+    /// the held-out rows better than the baseline, and none of its effects makes that prediction worse.
     fn told(&self, pool: &mut Pool) -> Told {
         loop {
             let known = pool.count();
             let told = self.first_sound(pool);
-            // A fit without one of its effects may have ended in a better minimum than all before.
+            // A refit without one of the effects may have found a better minimum than all fits before.
             if pool.count() == known {
                 return told;
             }
@@ -130,9 +131,9 @@ impl Search<'_> {
     }
 }
 
-/// The most probable explanations beside the one that is told that hold, with it, the share of the credible set. One
-/// that has its effects and more, or laws that contain them as limits, as Stribeck's friction contains Coulomb's, does
-/// not contradict it.
+/// The most probable explanations that hold, together with `best`, the share of the credible set. An
+/// explanation that contains `best` does not contradict it and is left out: it has the same effects and more,
+/// or laws that have them as limits, as Stribeck's friction has Coulomb's.
 fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanation> {
     let same = |own: &Explanation| contains(own, best);
     let mut held: f64 = ranked
@@ -172,7 +173,8 @@ impl Found {
         ablated.unwrap_or(&self.baseline)
     }
 
-    /// Variance of a parameter about its value in the best explanation, between the explanations that have its effect.
+    /// Variance of a parameter about its value in the best explanation, over the explanations that have its
+    /// effect.
     ///
     /// Source: Hoeting, Madigan, Raftery, Volinsky, Statistical Science 14 (1999), on the average over models.
     pub fn between(&self, global: Global) -> f64 {
@@ -201,8 +203,8 @@ impl Found {
         }
     }
 
-    /// Probability that an effect is missing: of all explanations together that have it, or a law of which it is a
-    /// limit.
+    /// Probability that an effect is missing: the sum over all explanations that have it, or a law of which it
+    /// is a limit.
     pub fn probability(&self, effect: EffectAt) -> f64 {
         let is = |own: &EffectAt| is_or_contains(own, &effect);
         let with = self
@@ -212,17 +214,17 @@ impl Found {
         with.map(|own| own.1).sum::<f64>().min(1.0)
     }
 
-    /// Log of the evidence of an explanation against the refitted model.
+    /// Log evidence of an explanation relative to the refitted model.
     pub fn log_evidence(&self, own: &Explanation) -> f64 {
         own.log_evidence(self.temperature) - self.baseline.log_evidence(self.temperature)
     }
 
-    /// Where the explanations ended that are worth another look, one of each structure.
+    /// Fitted points of the explanations that are worth another look, one for each structure.
     pub fn points(&self) -> Vec<Point> {
         let points = self.ranked.iter().map(|own| own.0.fitted.point.clone());
         points.take(WORTH_ANOTHER_LOOK).collect()
     }
 }
 
-/// Explanations that are taken over where the same recordings are looked at in another way.
+/// Explanations that are reused when the same recordings are looked at in another way.
 const WORTH_ANOTHER_LOOK: usize = 20;

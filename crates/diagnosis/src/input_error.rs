@@ -7,11 +7,11 @@ use rand::Rng;
 use rand_distr::StandardNormal;
 use std::ops::Range;
 
-/// Noise over the rounding step up to which the rounding makes it: a uniform error has `1 / sqrt 12` of
-/// the step, one that the motion repeats at most half of it.
+/// Greatest ratio of noise to rounding step at which the rounding explains the noise. A uniform error has `1 /
+/// sqrt 12` of the step, an error that the motion repeats at most half of it.
 const ROUNDED: f64 = 0.5;
 
-/// What a recorded input has that drove nothing.
+/// The part of a recorded input that did not drive the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InputError {
     /// Nothing: the machine was given these very numbers.
@@ -23,8 +23,8 @@ pub enum InputError {
 }
 
 impl InputError {
-    /// The error of an experiment's input. The noise of a force or a current drove the machine, and only
-    /// the rounding of its record did not.
+    /// The error of an experiment's input. The noise of a force or a current drove the machine, so that only
+    /// the rounding of its record is an error.
     pub fn of(experiment: &Experiment) -> Self {
         let values = &experiment.input_values;
         let noise = noise_std(values).unwrap_or(0.0);
@@ -40,7 +40,7 @@ impl InputError {
         }
     }
 
-    /// The input with such an error put on; `None` where there is none.
+    /// The input with another draw of this error added; `None` where there is no error.
     pub fn draw(self, values: &[f64], random: &mut impl Rng) -> Option<Vec<f64>> {
         match self {
             Self::None => None,
@@ -55,11 +55,11 @@ impl InputError {
     }
 }
 
-/// Values rounded with the steps at other places.
+/// Values rounded again, with the steps at other places.
 ///
-/// What was rounded is put back: between two steps of the record it went from one edge of its level to
-/// the other, at rest it stayed in the middle. Where it moves by more than a step a sample, its errors
-/// are independent of each other.
+/// The rounding is first undone: between two steps of the record the value went from one edge of its level to
+/// the other, at rest it stayed in the middle. Where it moves by more than a step per sample, the errors are
+/// independent of each other.
 fn rounded_again(values: &[f64], step: f64, random: &mut impl Rng) -> Vec<f64> {
     let phase: f64 = random.random();
     let levels = levels(values, step);

@@ -1,4 +1,4 @@
-//! What a force does between its samples, as the recordings show it.
+//! The course of a force between its samples, as the recordings show it.
 
 use super::baseline::{problem, refit};
 use super::error::DiagnosisError;
@@ -11,23 +11,24 @@ use super::weights::measure_noise;
 use super::whitening::Whitening;
 use quell_model::{Experiment, Hold, Model};
 
-/// A model that says what its input does between its samples, which the given one does not.
+/// A model that says how its input runs between the samples, where the given model does not.
 pub struct Held {
     /// The model.
     pub model: Model,
-    /// The recordings as it sees them.
+    /// The recordings as this model sees them.
     pub experiments: Vec<Experiment>,
-    /// What the input does.
+    /// The course of the input, in words.
     pub words: &'static str,
 }
 
-/// The model with the other course of its input between its samples, where that explains the recordings clearly better
-/// than the usual one; none where it does not, or where the model says what its input does.
+/// The model with the other course of its input between the samples, if that explains the recordings clearly
+/// better. `None` if it does not, or if the model itself says how its input runs.
 ///
-/// A controller holds a force from tick to tick: taken for straight lines it acts half a sample too early, which no law
-/// should have to explain. A force that was measured is smooth: taken for held it acts too late. Only a motor side that
-/// a force drives freely shows the difference, coupled to its measured motion, so that what else is missing counts where
-/// it acts. The evidence is that of [`super::evidence`]: half the difference of chi-squared, in units of what is left a row.
+/// A controller holds a force from tick to tick. If it is interpolated by straight lines, it acts half a sample
+/// too early, which no law should have to explain. A measured force is smooth; if it is taken for held, it acts
+/// too late. Only a motor side that a force drives freely shows the difference. It is coupled to its measured
+/// motion, so that other missing physics counts where it acts. The evidence is that of [`super::evidence`]:
+/// half the difference of chi-squared, in units of the residual per row.
 pub fn held_input(
     model: &Model,
     recordings: &Stretches,
@@ -58,8 +59,7 @@ pub fn held_input(
     Ok((evidence > STRONG).then_some(held))
 }
 
-/// Chi-squared that a refitted model leaves of coupled experiments, the number of rows, and the noise by which they are
-/// weighed.
+/// Chi-squared of a refitted model on coupled experiments, the number of rows, and the noise that weighs them.
 fn left(
     model: &Model,
     coupled: &[Experiment],

@@ -1,15 +1,15 @@
-//! Rounding of the recorded input while it rests, as a part of the noise.
+//! Rounding of the recorded input at rest, as a part of the noise.
 //!
-//! While an encoder rests its error is one and the same, evenly drawn from a step `q`, and the simulation carries it into
-//! every sample of that rest and into the ringing at both ends of it. Let the columns of `B` be the whitened rows'
-//! responses to errors of one deviation, `q / sqrt 12`, a rest each, and `B = U D V'`. The covariance of the rows is then
-//! `I + B B'`, and
+//! While an encoder rests, its error is constant, uniformly distributed over a step `q`. The simulation carries
+//! it into every sample of that rest and into the ringing at both ends of it. Let the columns of `B` be the
+//! responses of the whitened rows to errors of one standard deviation, `q / sqrt 12`, one column for each rest,
+//! and `B = U D V'`. The covariance of the rows is then `I + B B'`, and
 //!
 //! ```text
 //! (I + B B')^-1/2 = I - U (1 - (1 + D^2)^-1/2) U'
 //! ```
 //!
-//! makes them white. What moves averages its rounding out.
+//! whitens them. In motion the rounding averages out.
 //!
 //! Source: Widrow and Kollar, Quantization Noise (2008), chapter 4, for the error; Aitken, Proc. Royal Society of
 //! Edinburgh 55 (1935), for least squares with a covariance.
@@ -21,7 +21,8 @@ use nalgebra::{DMatrix, DVector};
 use quell_model::Experiment;
 use std::ops::Range;
 
-/// Variance of a direction, in that of the noise, below which it is left out: chi-squared is then too large by as much.
+/// Variance of a direction, relative to the noise, below which it is ignored: chi-squared is then too large by
+/// as much.
 const NONE: f64 = 1e-3;
 
 impl Problem<'_> {
@@ -36,12 +37,12 @@ impl Problem<'_> {
         let InputError::Rounding(step) = InputError::of(experiment) else {
             return Vec::new();
         };
-        // A force that is wrong for a while moves what follows without bound: windows are for that.
+        // A constant error of a force moves the following motion without bound. Windows handle that case.
         if self.scales.forced || !experiment.windows.is_empty() {
             return Vec::new();
         }
         let (time, values) = (&experiment.input_time, &experiment.input_values);
-        // In less than a period the mode does not follow.
+        // The mode does not respond within less than a period.
         let rests = levels(values, step).into_iter();
         let rests = rests.filter(|own| time[own.end - 1] - time[own.start] >= self.scales.period());
         let here = self.run(point, e).residuals;
@@ -65,7 +66,7 @@ impl Problem<'_> {
     }
 }
 
-/// The part of the covariance of an experiment's rows that the rounding of its input makes.
+/// The part of the covariance of an experiment's rows that comes from the rounding of its input.
 pub struct RoundingCovariance {
     /// `U`.
     directions: DMatrix<f64>,
@@ -74,7 +75,7 @@ pub struct RoundingCovariance {
 }
 
 impl RoundingCovariance {
-    /// Of these rows of an experiment.
+    /// The covariance for these rows of an experiment.
     pub fn new(problem: &Problem, e: usize, rows: &[Rows]) -> Self {
         let responses = problem.input_rounding.get(e).into_iter().flatten();
         let column =
@@ -89,7 +90,7 @@ impl RoundingCovariance {
         }
     }
 
-    /// Beside unit variance: `B B'`.
+    /// The part `B B'` beside unit variance.
     fn of(b: &DMatrix<f64>) -> Self {
         let eigen = b.tr_mul(b).symmetric_eigen();
         let squares = &eigen.eigenvalues;
@@ -107,7 +108,8 @@ impl RoundingCovariance {
         }
     }
 
-    /// Makes rows white that were of unit variance but for the rounding; those behind them stay.
+    /// Whitens rows whose covariance is unit variance plus the rounding. Rows behind them (the witness') stay
+    /// as they are.
     pub fn whiten(&self, rows: &mut [f64]) {
         let (count, directions) = self.directions.shape();
         if directions == 0 {

@@ -1,4 +1,4 @@
-//! What explanations are held against: fitted and held-out rows, and recordings kept apart.
+//! The data against which explanations are judged: fitted rows, held-out rows, and recordings kept apart.
 
 use super::baseline;
 use super::data::Data;
@@ -13,8 +13,8 @@ use nalgebra::DVector;
 use quell_model::{Model, StartComponent};
 use std::sync::Arc;
 
-/// Most steps in which the starts, clocks and frames of a recording kept apart are found. Mostly three do;
-/// windows in which friction sticks take more.
+/// Most steps of the fit of starts, clocks and frames of a recording kept apart. Three are usually enough;
+/// windows in which friction sticks need more.
 const APART: usize = 30;
 
 /// Judges fits of one problem.
@@ -27,11 +27,11 @@ pub struct Judge<'a> {
     pub train_rows: usize,
     /// Number of held-out rows.
     pub held_out_rows: usize,
-    /// Chi-squared by which rounding may raise what was held out.
+    /// Chi-squared that rounding may add to the held-out rows.
     pub rounding: f64,
-    /// Components of the start that are free in the recordings kept apart, once that is decided.
+    /// Components of the start that are free in the recordings kept apart; `None` until that is decided.
     starts: Option<Vec<StartComponent>>,
-    /// What the recordings kept apart show of the rounding of their inputs.
+    /// Responses of the recordings kept apart to the rounding of their inputs.
     input_rounding_apart: Arc<Vec<Responses>>,
 }
 
@@ -62,8 +62,8 @@ impl<'a> Judge<'a> {
         judge
     }
 
-    /// Appends the whitened residuals on the held-out rows of a recording of which others were fitted. Clock,
-    /// offset and frame are those of the fitted rows.
+    /// Appends the whitened residuals of the held-out rows of a recording. Clock, offset and frame are those of
+    /// its fitted rows.
     pub fn push_held_out(
         &self,
         problem: &Problem,
@@ -79,8 +79,8 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// The whole of recordings kept apart, their own clocks, offsets and frames fitted. A sensor has the
-    /// noise that it has in what was fitted.
+    /// The whole recordings kept apart, with their own clocks, offsets and frames fitted. A sensor has the same
+    /// noise as in the fitted recordings.
     pub fn apart(&self, fitted: &Problem, point: &Point) -> (Problem<'a>, Fitted) {
         let rows = self.data.apart.iter().map(split::whole).collect();
         let mut problem = baseline::problem(self.model, &self.data.apart, rows);
@@ -89,7 +89,7 @@ impl<'a> Judge<'a> {
         if let Some(starts) = &self.starts {
             problem.departures.clone_from(starts);
         }
-        // A payload that was carried in the fitted recordings is known; another one is not.
+        // A payload of the fitted recordings has a known inertia; another payload has not.
         let carried = baseline::payloads(&self.data.experiments);
         problem.free_payloads = carried.len()..carried.len();
         for payload in std::mem::replace(&mut problem.payloads, carried) {
@@ -120,8 +120,7 @@ impl<'a> Judge<'a> {
 }
 
 impl Problem<'_> {
-    /// Recorded minus predicted over a whole experiment, the linear nuisances of the fitted rows taken
-    /// out.
+    /// Recorded minus predicted over a whole experiment, without the linear nuisances of the fitted rows.
     pub fn explained(&self, point: &Point, e: usize) -> Vec<Vec<f64>> {
         self.without_nuisances(e, self.run(point, e).residuals)
     }

@@ -1,4 +1,4 @@
-//! The static law of a finding over what was visited, and how well it is known.
+//! The static law of a finding over the visited range, with its 95 % band.
 
 use super::bootstrap::Scatter;
 use super::law_curve::{LawCurve, LawParameter, LearnedLaw, NearestLaw};
@@ -11,7 +11,7 @@ use quell_model::Term;
 use quell_model::curves::{BAND, Curve, nearest, points};
 use quell_model::effects::{LEARNED, Motion, Place, Scales, Slot, Units, curve};
 
-/// The law of an effect of a point; None where it is no curve, or is there several times.
+/// The law of an effect of a point as a curve; `None` if it is no static law, or occurs several times.
 pub fn law_curve(
     problem: &Problem,
     point: &Point,
@@ -43,7 +43,7 @@ pub fn law_curve(
     told.filter(LawCurve::is_finite)
 }
 
-/// What a law sees beside its coordinate, with the stiffness and damping of a point.
+/// The variables of a law beside its coordinate, with the stiffness and damping of a point.
 pub fn still(problem: &Problem, point: &Point) -> Motion {
     let linear = (problem.kind.linear)(&point.keys, problem.experiments[0].input);
     Motion {
@@ -64,7 +64,7 @@ struct Drawn<'a> {
 }
 
 impl Drawn<'_> {
-    /// A learned law, in words, and the named law that is nearest.
+    /// A learned law with its description in words and the nearest named law.
     fn learned(&self, covariance: &DMatrix<f64>) -> Option<LawCurve> {
         let Term { effect, values, .. } = self.term;
         let ordinates = super::curves::ordinates(effect);
@@ -106,7 +106,7 @@ impl Drawn<'_> {
         (finite && told.chi_squared.is_finite()).then_some(told)
     }
 
-    /// A named law over what was visited.
+    /// A named law over the visited range.
     fn named(&self, covariance: &DMatrix<f64>) -> Option<LawCurve> {
         let Term { effect, values, .. } = self.term;
         let range = visited(self.slot, self.term.place, &self.problem.scales)?;
@@ -117,7 +117,7 @@ impl Drawn<'_> {
         };
         let law = at(values)?;
         let deviation = |k: usize| covariance[(k, k)].sqrt();
-        // Changes by a deviation of each parameter: a law need not be linear in them.
+        // Changes of the law by one standard deviation of each parameter: a law need not be linear in them.
         let mut changes = DMatrix::zeros(points.len(), values.len());
         for (k, parameter) in effect.parameters.iter().enumerate() {
             let (low, high) = (parameter.bounds)(&self.problem.scales);
@@ -156,8 +156,7 @@ impl Drawn<'_> {
     }
 }
 
-/// Range of the coordinate of a slot that was visited: that of its learned law, of which the starts are told place by
-/// place.
+/// Visited range of the coordinate of a slot: that of its learned law, whose starts depend on the place.
 fn visited(slot: Slot, place: Place, scales: &Scales) -> Option<(f64, f64)> {
     let learned = LEARNED.iter().find(|effect| effect.slot() == Some(slot))?;
     let index = learned.places.iter().position(|own| *own == place);

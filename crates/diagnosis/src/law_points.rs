@@ -1,8 +1,9 @@
-//! What a recording itself says of a static law: the force that is missing without it, over its coordinate.
+//! The data behind a static law: the force that is missing without it, over its coordinate.
 //!
-//! With all else as it was fitted, `e'' + 2 xi w e' + w^2 e = -F / m` holds for what is left, `e`: the force that a
-//! smoother reads off it, over the coordinate that the explanation visits. Of a sensor it is `e` itself. Nothing of the
-//! law's shape enters: these are the partial residuals of a regression.
+//! With everything else as fitted, the residual `e` without the law obeys `e'' + 2 xi w e' + w^2 e = -F / m`. A
+//! smoother estimates the force `F` from it; it is plotted over the coordinate that the explanation visits. For
+//! a sensor law it is `e` itself. The shape of the law does not enter: these are the partial residuals of a
+//! regression.
 //!
 //! Source: Larsen and McCleary, The use of partial residual plots in regression analysis, Technometrics 14 (1972).
 
@@ -12,17 +13,17 @@ use quell_model::chain::MotorSide;
 use quell_model::effects::{Coordinate, Place, Slot};
 use quell_recording::Role;
 
-/// Points that are told at most.
+/// Most points that are reported.
 const MOST: usize = 400;
 
-/// Deviation of a force over the least one from which it is not told.
+/// Ratio of a force's standard deviation to the least one above which the point is left out.
 const UNKNOWN: f64 = 1.5;
 
 /// A series at the stamps of the first output.
 type Series = Vec<f64>;
 
-/// Coordinate and force (of a sensor, its error) at stamps of the first output; empty where the force does not move the
-/// link of a prescribed motor side: on a free one its own damping and loop are in between.
+/// Coordinate and force (for a sensor: its error) at stamps of the first output. Empty where the force does not
+/// move the link of a prescribed motor side: a free motor side has its own damping and loop in between.
 pub fn law_points(problem: &Problem, point: &Point, effect: EffectAt) -> Vec<[f64; 2]> {
     let seen = effect.0.slot().and_then(|slot| match slot {
         Slot::Sensor => error_over_reading(problem, point, effect),
@@ -49,7 +50,7 @@ fn error_over_reading(
     Some((output.values.clone(), left_without(problem, point, effect)))
 }
 
-/// What is left of the first output without an effect, offsets and frame as they are with it.
+/// Residual of the first output without an effect; offsets and frame are those of the fit with it.
 fn left_without(problem: &Problem, point: &Point, effect: EffectAt) -> Series {
     let without = problem.run(&point.without_effect(effect), 0).residuals;
     let with = problem.run(point, 0).residuals;
@@ -85,7 +86,7 @@ fn force_over(
     let left = left_without(problem, point, effect);
     let located = problem.locate_series(point, 0, &left);
     let [motor, link] = problem.kinematics(point, 0);
-    // Near an end of a recording a smoother knows little.
+    // Near the ends of a recording the smoother is uncertain.
     let known = located.missing_std.iter().copied();
     let known = UNKNOWN * known.fold(f64::INFINITY, f64::min);
     let along = motor.iter().zip(&link).map(|(motor, link)| {

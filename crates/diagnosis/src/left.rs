@@ -1,4 +1,4 @@
-//! Whether what an explanation leaves is noise.
+//! Whether the residual of an explanation is noise.
 
 use super::explanation::Explanation;
 use super::found::Found;
@@ -8,13 +8,13 @@ use super::noise::REDDEST;
 use super::search::Search;
 use super::thresholds::FLOOR;
 
-/// Residual, in times the noise, that is a mismatch even if it cannot be located: no estimate of a noise
+/// Residual, relative to the noise, that is a mismatch even if it cannot be located: no estimate of a noise
 /// level is that far off.
 const CERTAIN: f64 = 1.5;
 
 impl Judge<'_> {
-    /// Whether what an explanation leaves, beyond what the shapes of its laws could be wrong by, is noise: of what was
-    /// fitted, and of what was held out beyond the errors of the fit and rounding at rest.
+    /// Whether the residual of an explanation is noise. Possible errors of its laws' shapes are allowed for in
+    /// the fitted rows; errors of the fit and rounding at rest in the held-out rows.
     pub fn leaves_noise(&self, own: &Explanation) -> bool {
         let (fitted, held) = (self.train_rows as f64, self.held_out_rows as f64);
         let beyond = own.evidence.held_out_beyond_fit();
@@ -23,13 +23,13 @@ impl Judge<'_> {
 }
 
 impl Search<'_> {
-    /// Whether what an explanation leaves is noise.
+    /// Whether the residual of an explanation is noise.
     pub fn leaves_noise(&self, own: &Explanation) -> bool {
         self.judge.leaves_noise(own)
     }
 
-    /// Whether the refitted model leaves nothing that could be located: a little above the noise may be noise of
-    /// another colour, unless it has a place in the chain.
+    /// Whether the refitted model leaves nothing that could be located. A residual a little above the noise may
+    /// be noise of another colour, unless it has a place in the chain.
     pub fn leaves_nothing(&self, found: &Found, located: &Located) -> bool {
         let own = &found.baseline;
         let little = self.is_below(own, CERTAIN) && located.location.place.is_none();
@@ -41,9 +41,9 @@ impl Search<'_> {
         self.leaves_noise(&found.best)
     }
 
-    /// Whether what an explanation leaves is noise that third differences take for less than it is: as large where the
-    /// machine hardly moves as where it moves most. Of an explanation with effects it is not asked: what they take from a
-    /// mismatch of another shape is what grows with the motion.
+    /// Whether the residual is noise that third differences underestimate: it is as large where the machine
+    /// hardly moves as where it moves most. This holds for the model without added effects only: effects that
+    /// absorb part of a mismatch of another shape remove just the part that grows with the motion.
     fn leaves_other_noise(&self, own: &Explanation) -> bool {
         self.is_below(own, REDDEST) && self.problem.follows_motion(&own.fitted.point) == Some(false)
     }

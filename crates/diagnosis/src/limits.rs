@@ -1,5 +1,5 @@
-//! Simpler laws in the place of those that contain them as limits: where a load hangs on an axis that hardly turns,
-//! its weight is a constant force.
+//! Simpler laws in place of those that contain them as limits. An example: the weight of a load on an axis that
+//! hardly turns is a constant force.
 
 use super::point::Point;
 use super::problem::Problem;
@@ -8,7 +8,7 @@ use quell_model::Term;
 use quell_model::effects::{Effect, Place};
 
 impl Search<'_> {
-    /// Points with the simpler laws that a term contains in its place, each at the size of its grid that fits best.
+    /// Points in which a simpler law replaces a term that contains it, each at the best size of its grid.
     pub fn limits_of(&self, point: &Point, term: usize) -> Vec<Point> {
         let own = &point.terms[term];
         let there = own.effect.limits().filter_map(|simpler| {
@@ -38,7 +38,7 @@ impl Search<'_> {
     }
 }
 
-/// The place of an effect at which it acts between the same bodies as another one does.
+/// The place of an effect at which it acts between the same bodies as another effect; `None` if there is none.
 fn place_of(problem: &Problem, effect: &Effect, place: Place) -> Option<Place> {
     let (places, linear) = problem.places();
     let same = |own: &Place| {

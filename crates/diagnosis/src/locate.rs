@@ -1,5 +1,5 @@
-//! Where a model and a recording part: by place in the chain, in time, over a coordinate, in
-//! frequency. It says where to look; names are given by simulation.
+//! Where a model and a recording differ: by place in the chain, in time, over a coordinate, in frequency. This
+//! says where to look. Names of effects come from simulation only.
 
 mod basis;
 mod candidate_events;
@@ -27,7 +27,7 @@ use transition::Path;
 
 /// Most candidates of a kind.
 const MOST: usize = 8;
-/// Fewest stamps of which anything can be said.
+/// Fewest stamps for a statement.
 const FEWEST: usize = 32;
 
 /// Dynamics of a model's error: `e'' + 2 xi w e' + w^2 e = d`; both 0 for a free mass.
@@ -39,7 +39,7 @@ pub struct Dynamics {
     pub damping_ratio: f64,
 }
 
-/// What a refitted model leaves of one output of one recording.
+/// The residual of a refitted model in one output of one recording.
 #[derive(Clone, Copy, Debug)]
 pub struct Residual<'a> {
     /// Stamps, s, increasing; they may be irregular or have gaps.
@@ -50,13 +50,13 @@ pub struct Residual<'a> {
     pub noise_std: f64,
     /// Position, velocity and acceleration of the motor side at the stamps.
     pub motor: &'a [[f64; 3]],
-    /// The same of the link as the model simulates it; the motor side's where there is no link.
+    /// The same for the link as the model simulates it; the motor side's where there is no link.
     pub link: &'a [[f64; 3]],
-    /// What a missing force passes before the output shows it.
+    /// Dynamics between a missing force and the output.
     pub dynamics: Dynamics,
-    /// Instants at which the model's motion was started anew from what was measured, s, increasing.
+    /// Instants at which the simulation was restarted from measured values, s, increasing.
     pub restarts: &'a [f64],
-    /// The output is not reached through dynamics: the residual itself is what is missing, and the
+    /// Whether no dynamics lie between cause and output. The residual itself is then the missing part, and the
     /// place is the sensor.
     pub sensor_only: bool,
 }
@@ -64,19 +64,19 @@ pub struct Residual<'a> {
 /// Where the mismatch sits.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Located {
-    /// Where, in words and numbers; empty where neither side is above chance.
+    /// Where, in words and numbers; empty where neither force nor sensor error is above chance.
     pub location: Location,
     /// Missing force at the stamps, divided by the inertia: an acceleration of the output (for
     /// `sensor_only` the output itself).
     pub missing: Vec<f64>,
     /// Its standard deviation.
     pub missing_std: Vec<f64>,
-    /// Log-likelihood gain of a missing force over noise, white or coloured: how much the equation of
-    /// motion is at fault.
+    /// Log-likelihood gain of a missing force over noise, white or coloured: the evidence against the equation
+    /// of motion.
     pub dynamic_gain: f64,
-    /// Log-likelihood gain of the best of what a sensor could make of the motion.
+    /// Log-likelihood gain of the best sensor error that depends on the motion.
     pub sensor_gain: f64,
-    /// The coordinate that it follows best, above chance. Units are left to the caller.
+    /// The coordinate that it follows best, if above chance. The caller adds the units.
     pub coordinate: Option<CoordinateTrace>,
     /// Share of the variance that each coordinate explains, corrected for chance.
     pub explained: Vec<(String, f64)>,
@@ -88,21 +88,21 @@ pub struct Located {
     pub candidate_frequencies: Vec<f64>,
     /// Radians per unit of position of forces periodic in position; the strongest first, at most 8.
     pub candidate_orders: Vec<f64>,
-    /// Where the link was at the candidates that begin at once, and the sign of its velocity.
+    /// Positions of the link at those candidates that are sudden, and the sign of its velocity.
     pub candidate_stops: Vec<[f64; 2]>,
 }
 
 /// Locates the mismatch behind a residual.
 ///
 /// The missing force `d` in `e'' + 2 xi w e' + w^2 e = d` is a random walk whose intensity has the
-/// greatest likelihood; a smoother gives it at each stamp. It is held against coordinates, positions
-/// and instants; the residual against what a sensor makes of the motion, phases and frequencies. The
-/// equation of motion is at fault where the force gains more than coloured noise would and more than
-/// the sensor does, each gain less the half logarithm of the length for each of its parameters
-/// (Schwarz, 1978).
+/// The missing force `d` in `e'' + 2 xi w e' + w^2 e = d` is modelled as a random walk whose intensity
+/// maximises the likelihood; a smoother estimates it at each stamp. It is compared with coordinates, positions
+/// and instants. The residual is compared with sensor errors, phases and frequencies. The equation of motion is
+/// at fault if the force gains more than coloured noise and more than the sensor, each gain less half the
+/// logarithm of the length for each of its parameters (Schwarz, 1978).
 ///
-/// A residual that is too short or not finite is located nowhere. Cost is linear in the length but
-/// for sorting.
+/// A residual that is too short or not finite gives an empty location. The cost is linear in the length, apart
+/// from sorting.
 ///
 /// Source: Kristensen, Madsen and Jorgensen, "A method for systematic improvement of stochastic
 /// grey-box models", Computers and Chemical Engineering 28 (2004).
@@ -134,7 +134,7 @@ pub fn locate(residual: &Residual) -> Located {
     put_together(residual, &smoother, smoothed, dynamic_gain)
 }
 
-/// Everything that is read off the missing force and the residual.
+/// The location from the missing force and the residual.
 fn put_together(
     residual: &Residual,
     smoother: &Smoother,
@@ -241,7 +241,7 @@ fn smoother(residual: &Residual) -> Smoother {
     } = residual.dynamics;
     let scale = time_scale(residual);
     if residual.sensor_only {
-        // Nothing moves that could start anew.
+        // There are no dynamics to restart.
         return Smoother::new(Path::Direct, 1.0, residual.time, scale, &[]);
     }
     let path = Path::Motion {

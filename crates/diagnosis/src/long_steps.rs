@@ -1,8 +1,8 @@
-//! The search in long steps of the integration, its explanations fitted again in short ones.
+//! Search with long integration steps; its explanations are fitted again with short ones.
 //!
-//! A one-step method makes of a linear chain another one, of slightly other frequency and damping, which a fit of the
-//! keys finds: what long steps are wrong by beyond that is what counts. Where no sensor would see it, the search for a
-//! structure needs no short steps.
+//! For a linear chain a one-step method is exact for a chain of slightly other frequency and damping, which a
+//! fit of the keys compensates. Only the error of long steps beyond that counts. If no sensor would see it, the
+//! search for a structure does not need short steps.
 //!
 //! Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, chapter IX, for the modified equation.
 
@@ -18,10 +18,11 @@ use super::projector::{Projector, orthonormal};
 use super::settled::{search, settled};
 use super::thresholds::LONG;
 
-/// Error of long steps in standard deviations of a sensor's noise that a search does not see.
+/// Greatest error of long steps that does not matter to a search, in standard deviations of a sensor's noise.
 const UNSEEN: f64 = 0.2;
 
-/// What a search in long steps finds, fitted again in the steps of the problem; nothing where steps as long show.
+/// The result of a search with long steps, fitted again with the steps of the problem; `None` where sensors
+/// would see the error of long steps.
 pub fn searched_in_long_steps(
     problem: &mut Problem,
     projector: &mut Projector,
@@ -46,7 +47,7 @@ pub fn searched_in_long_steps(
     Some(search(problem, projector, judge, told).fitted_again(&pool))
 }
 
-/// Whether what long steps are wrong by beyond what the keys of the model make is less than the sensors see.
+/// Whether the error of long steps, beyond what the model's keys compensate, is too small for the sensors.
 fn is_unseen(short: &Problem, long: &Problem, point: &Point) -> bool {
     let noise = short.experiments.iter().map(first_guess).collect();
     let short = Problem {

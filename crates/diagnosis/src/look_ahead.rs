@@ -1,8 +1,9 @@
-//! A look several effects ahead, where none alone raises the evidence: of effects that mask one another each leaves the
-//! mismatch of the others, beside which it is worth nothing, and all together leave only noise.
+//! A look several effects ahead, if no single effect raises the evidence. Effects may mask one another: each
+//! one alone leaves the mismatch of the others and gains little, but all together leave only noise.
 //!
-//! How much a mismatch of unknown cause is worth is not known before its cause is. Ahead, structures are ranked as if
-//! only noise were left in the end; where that comes true they are explanations, and else they are forgotten.
+//! The evidence of a mismatch of unknown cause is not known before its cause is. So structures are ranked ahead
+//! as if only noise were left in the end. They are kept if one of them indeed leaves only noise, and forgotten
+//! otherwise.
 
 use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
@@ -12,8 +13,8 @@ use super::search::Search;
 use super::thresholds::MOST_EFFECTS;
 
 impl Search<'_> {
-    /// Adds structures of more effects than the best explanation to a pool, if one of them leaves nothing but noise;
-    /// once. Whether there is one.
+    /// Adds structures of more effects than the best explanation to a pool if one of them leaves only noise; at
+    /// most once for a pool. Returns whether there is one.
     pub fn look_ahead(&self, pool: &mut Pool) -> bool {
         if self.leaves_noise(pool.best(self.judge))
             || std::mem::replace(&mut pool.looked_ahead, true)
@@ -45,7 +46,7 @@ impl Search<'_> {
     }
 }
 
-/// How likely an explanation would be, were only noise left in the end.
+/// Log evidence of an explanation as if only noise were left in the end.
 fn score(own: &Explanation) -> f64 {
     own.log_evidence(CALIBRATED)
 }

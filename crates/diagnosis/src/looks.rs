@@ -1,5 +1,5 @@
-//! From a model and recordings to a diagnosis: one look at them; where a force drives the motor side freely three:
-//! coupled to its measured motion, in windows, each with a start of its own, and in one piece.
+//! A diagnosis from a model and recordings, in one look. If a force drives the motor side freely, there are up
+//! to three: coupled to its measured motion, in windows that each have a start of their own, and in one piece.
 
 use super::candidate::Known;
 use super::document::{Scored, Verdict};
@@ -15,14 +15,14 @@ use super::thresholds::{FLOOR, LOST};
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
 
-/// What is said of a diagnosis that was made coupled.
+/// Remark on a diagnosis that was made coupled.
 const COUPLED: &str = "Errors of a force that drives an axis freely add up without bound. So the motor side was simulated \
     coupled to its measured motion, by a spring and a damper. Its residual is that of this simulation.";
 
 /// Says what physics a model lacks, from recordings of the machine.
 ///
-/// `held_out` recordings judge what `train` was fitted to; without them every third stretch of three
-/// periods is kept apart. The same input and seed give the same answer.
+/// `held_out` recordings judge the fit to `train`. Without them every third stretch of three periods is kept
+/// apart. The same input and seed give the same answer.
 ///
 /// # Errors
 /// [`DiagnosisError`] where a recording does not suit the model, or it is stopped.
@@ -51,7 +51,7 @@ pub fn diagnose(
     if options.stop.was_asked() {
         return Err(DiagnosisError::Stopped);
     }
-    // What was used in parts has no score of its own.
+    // A recording that was used in parts has no score of its own.
     let all = || train.iter().chain(held_out);
     let is_one = |name: &str| all().any(|own| is_whole(own) && own.name == name);
     let scores = &mut outcome.diagnosis.fit.scores;
@@ -63,7 +63,7 @@ pub fn diagnose(
     Ok(outcome)
 }
 
-/// Tells of each finding the recordings in which it happened.
+/// Lists for each finding the recordings in which it happened.
 fn where_it_happened(outcome: &mut Outcome, recordings: &[Recording]) {
     for finding in &mut outcome.diagnosis.findings {
         let own = outcome.happened.iter().filter(|term| {
@@ -75,7 +75,7 @@ fn where_it_happened(outcome: &mut Outcome, recordings: &[Recording]) {
     }
 }
 
-/// By a model that says what its input does between its samples.
+/// A look with a model that says how its input runs between the samples.
 fn look_held(
     held: Held,
     recordings: (&Stretches, &Stretches),
@@ -91,7 +91,7 @@ fn look_held(
     Ok(outcome)
 }
 
-/// Of recordings that are no longer than they need to be, as the model sees those that are fitted.
+/// A look at recordings of limited length; `fitted` holds the experiments of those that are fitted.
 fn look(
     model: &Model,
     fitted: Vec<Experiment>,
@@ -123,9 +123,10 @@ fn look(
     if fitted[0].windows.is_empty() {
         return Ok(once((fitted, apart), &unknown)?.outcome);
     }
-    // Coupled to the measured motion an error of the force shows where and when it is made, and a fit has few minima.
-    // But what acts over a longer time than the coupling remembers, as a lag of a sensor, is hidden, and keys of the model
-    // take its place: beyond belief, or so that the motion by itself is missed by hardly less.
+    // Coupled to the measured motion, an error of the force shows where and when it acts, and a fit has few
+    // minima. But an effect that lasts longer than the coupling's memory, such as a sensor lag, is hidden, and
+    // keys of the model absorb it. Then they leave their believed range, or the uncoupled motion fits hardly
+    // better.
     let mut in_noise = None;
     if let Some((fitted, apart)) = coupled(model, &fitted).zip(coupled(model, &apart)) {
         let when_coupled = |known: &Known| -> Result<Looked, DiagnosisError> {
@@ -141,7 +142,7 @@ fn look(
         if believable && halves(&outcome) {
             return Ok(outcome);
         }
-        // What was found does not show in the motion by itself: is the coupled motion noise without it, too?
+        // The findings do not improve the uncoupled motion: is the coupled motion noise without them, too?
         if explains(&outcome) && !outcome.diagnosis.findings.is_empty() {
             let nothing = Known {
                 alone: true,
@@ -153,13 +154,14 @@ fn look(
     }
     let whole = (in_one(&fitted), in_one(&apart));
     let windowed = match apart.is_empty() {
-        // Each window has a start of its own, so that rows cannot be held out of it: whole windows are.
+        // Each window has a start of its own, so rows of it cannot be held out. Whole windows are held out
+        // instead.
         true => in_two(model, train, &fitted)?,
         false => (fitted, apart),
     };
-    // In one piece a force that is wrong by little moves the end by much, and a fit ends in the nearest of
-    // many minima. In windows there are few, and what was found in them says where to start. But what is
-    // small shows in one piece only.
+    // In one piece a small error of a force moves the end of the motion far, and a fit ends in the nearest of
+    // many minima. In windows there are few minima, so their findings give the starts for the fit in one piece.
+    // But small effects show in one piece only.
     let Looked {
         outcome: mut in_windows,
         points,
@@ -168,7 +170,8 @@ fn look(
     let remark = "Errors of a force that drives an axis freely add up without bound. So the motion was simulated in \
         windows, each with a start of its own.";
     in_windows.diagnosis.remarks.push(remark.into());
-    // A model that leaves nothing but noise of the coupled motion lacks at most what lasts longer, which windows show.
+    // If the model explains the coupled motion down to the noise, it lacks at most slower physics, which
+    // windows show.
     if let Some(outcome) = in_noise {
         return Ok(if halves(&in_windows) {
             in_windows
@@ -186,8 +189,8 @@ fn look(
     if explains(&in_one) {
         return Ok(in_one);
     }
-    // What takes a mismatch down to the noise in windows is right as far as it goes, however far small errors carry it
-    // in one piece; unless it takes for noise what another model explains.
+    // Findings that reduce a mismatch to the noise in windows are right, even if small errors add up in one
+    // piece. The exception: another model explains in one piece what the windows take for noise.
     let fit = &in_windows.diagnosis.fit;
     let took = fit.before.held_out_over_noise.powi(2) > FLOOR;
     let is_right =
@@ -198,8 +201,8 @@ fn look(
     })
 }
 
-/// Whether one of two outcomes that both leave more than noise is the better one: the simpler, unless it misses the
-/// recordings by far more, in one piece.
+/// Whether `one` is better than `other`, where both leave more than noise: the simpler one is better, unless it
+/// predicts the recordings far worse in one piece.
 fn is_better(one: &Outcome, other: &Outcome, train: &Stretches) -> bool {
     let [own, theirs] = [one, other].map(|own| misses(own, train));
     let count = |own: &Outcome| own.diagnosis.findings.len();
@@ -210,7 +213,7 @@ fn is_better(one: &Outcome, other: &Outcome, train: &Stretches) -> bool {
     }
 }
 
-/// Whether with what was found each recording, its motion by itself, is missed by less than half.
+/// Whether the findings at least halve the error of each recording's uncoupled motion.
 fn halves(outcome: &Outcome) -> bool {
     let halves = |own: &Scored| LOST * own.after.rms.powi(2) < own.before.rms.powi(2);
     outcome.diagnosis.fit.scores.iter().all(halves)
@@ -223,8 +226,7 @@ fn explains(outcome: &Outcome) -> bool {
     matches!(verdict, NoMismatch | Named | Ambiguous | NotExcited)
 }
 
-/// By how much a model and what happened miss recordings, replayed in one piece: the mean square in units of the
-/// noise.
+/// Mean square error, in units of the noise, of a model and the events found, in one piece, summed over recordings.
 fn misses(own: &Outcome, train: &Stretches) -> f64 {
     let square = |(part, &recording): (&Recording, &usize)| {
         let score = score_in_one_piece(&own.model, &own.happened, part, recording);
@@ -234,7 +236,7 @@ fn misses(own: &Outcome, train: &Stretches) -> f64 {
     parts.map(square).sum()
 }
 
-/// The same experiments without starts within them.
+/// The same experiments in one piece, without restarts.
 fn in_one(experiments: &[Experiment]) -> Vec<Experiment> {
     let mut whole = experiments.to_vec();
     whole.iter_mut().for_each(|e| e.windows.clear());

@@ -3,29 +3,29 @@
 use super::views::Both;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// A marginal likelihood. The unknowns are in units of the deviations of their priors, corrections of the laws'
-/// shapes the last of them.
+/// A marginal likelihood. The unknowns are in units of their prior standard deviations; corrections of the
+/// laws' shapes come last.
 #[derive(Clone, Debug)]
 pub struct Marginal {
     /// Sum of squares of the fitted rows, and twice the negative logarithm of the prior density, at the fit.
     pub cost: [f64; 2],
-    /// Halves of the gradients of the former by what is not fitted, and of the latter.
+    /// Half the gradients of the two: of the former by the unknowns that are not fitted, of the latter by all.
     pub pulls: [DVector<f64>; 2],
-    /// Share of what these promise that is there, laws being curved.
+    /// Share of the gain predicted by the first gradient that is real, laws being curved.
     pub kept: f64,
     /// `W J'J W`.
     pub information: DMatrix<f64>,
-    /// Sum of squares of the fitted rows, beyond what corrections explain.
+    /// Sum of squares of the fitted rows beyond the corrections.
     pub left: f64,
     /// `q' (I + H S H')^-1 q` and `ln det(I + H S H')`.
     pub beyond: (f64, f64),
-    /// Samples of what is left that say as much as one independent one.
+    /// Number of samples of the residual that are worth one independent sample.
     pub correlation: f64,
 }
 
 impl Marginal {
-    /// From the residuals at the fit, those with corrections, the derivatives of fitted and held-out rows, and half the
-    /// gradient of the prior's cost.
+    /// The marginal from the prior's cost, the rows at the fit (`here`) and with corrections (`there`), the
+    /// derivatives of fitted and held-out rows, and half the gradient of the prior's cost.
     pub fn new(
         believed: f64,
         here: &Both,
@@ -72,8 +72,8 @@ impl Marginal {
 /// Most lags over which a correlation is summed.
 const LAGS: usize = 1000;
 
-/// `sum rho_k^2` over all lags of the correlation of a series, without what chance makes of it, at least 1: by so much
-/// the variance of its mean square is above that of as many independent samples.
+/// `sum rho_k^2` over all lags of a series' autocorrelation, less its expectation by chance, at least 1. It is
+/// the factor by which the variance of the mean square exceeds that of as many independent samples.
 ///
 /// Source: Bartlett, J. Royal Statistical Society B 8 (1946).
 pub fn correlation(series: &DVector<f64>) -> f64 {
@@ -101,7 +101,7 @@ pub fn inverse(information: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
     (&root * root.transpose(), root)
 }
 
-/// `q' (I + B B')^-1 q` and `ln det(I + B B')` of what is left `q` and the errors `B` of the fit.
+/// `q' (I + B B')^-1 q` and `ln det(I + B B')` for the residual `q` and the errors `B` of the fit.
 fn beyond(left: &DVector<f64>, errors: &DMatrix<f64>) -> (f64, f64) {
     let n = errors.ncols();
     let product = errors.tr_mul(left);

@@ -1,4 +1,4 @@
-//! Whether the parameters of an effect mean anything where the data are.
+//! Whether the data determine the parameters of an effect.
 
 use super::explanation::Explanation;
 use super::fit::Fitted;
@@ -6,15 +6,16 @@ use super::point::{Global, Point};
 use super::problem::Problem;
 use quell_model::effects::{ParameterRole, Quantity};
 
-/// Share of the range of a parameter within which it lies at the end of it.
+/// Distance from the end of its range within which a parameter counts as at the end, as a share of the range.
 const AT_END: f64 = 1e-3;
-/// A bound this near to 1 stands for all of what a share is one of.
+/// A bound this near to 1 stands for 1, the whole of a share.
 const WHOLE: f64 = 0.03;
 /// Two-sided 95 % of the normal distribution.
 const NORMAL_95: f64 = 1.96;
 
 impl Problem<'_> {
-    /// Whether a parameter of an effect that was added lies at the end of its range: another law is at work.
+    /// Whether a parameter of an added effect lies at the end of its range, which means that another law is at
+    /// work.
     ///
     /// The bounds of a parameter are those of the motion: a gap is no wider than the travel, a period no longer, a
     /// frequency within the band. The ends of a share or of a side are laws of their own, and a phase has no ends.
@@ -29,7 +30,7 @@ impl Problem<'_> {
             let whole = |bound: f64| {
                 parameter.quantity == Quantity::NUMBER && (bound.abs() - 1.0).abs() < WHOLE
             };
-            // A law at the end of its shape is the simpler one that it contains.
+            // A law at the end of its shape parameter is the simpler law that it contains as a limit.
             let contains = point.terms[term].effect.limits().next().is_some();
             let limit = contains && parameter.role == ParameterRole::Shape;
             let end =
@@ -39,9 +40,9 @@ impl Problem<'_> {
         added.any(|is_at_end| is_at_end)
     }
 
-    /// Whether every effect that was added has parameters that the data have determined, within what was visited: none
-    /// is at the end of its range, and none could be anywhere within it, but for the shape of a law, which may be of
-    /// no consequence.
+    /// Whether the data determine the parameters of every added effect within the visited range: none is at the
+    /// end of its range, and no confidence interval spans the whole range. The shape of a law is exempt, since
+    /// it may not matter.
     pub fn is_meaningful(&self, explanation: &Explanation, temperature: f64) -> bool {
         let fitted = &explanation.fitted;
         let deviations = explanation.evidence.deviations(temperature);
@@ -56,13 +57,13 @@ impl Problem<'_> {
     }
 }
 
-/// Whether a parameter has ends at which it means nothing.
+/// Whether the ends of a parameter's range are meaningless values.
 fn has_ends(role: ParameterRole) -> bool {
     use ParameterRole::{Ordinate, Phase, Range};
     !matches!(role, Phase | Ordinate | Range)
 }
 
-/// The unknowns that are parameters of effects that were added: which unknown, term and parameter.
+/// The unknowns that are parameters of added effects: index of the unknown, term and parameter.
 fn added<'a>(
     point: &'a Point,
     globals: &'a [Global],

@@ -1,4 +1,4 @@
-//! Names for learned laws: each named law of the slot, from where it is nearest to the learned curve.
+//! Names for learned laws: each named law of the slot, started where it is nearest to the learned curve.
 
 use super::curves::ordinates;
 use super::explanation::Explanation;
@@ -12,7 +12,8 @@ use quell_model::curves::{Curve, Nearest, nearest};
 use rayon::prelude::*;
 
 impl Search<'_> {
-    /// Puts named laws in the place of the learned ones of the best explanation. Whether there is a better explanation.
+    /// Replaces the learned laws of the best explanation by named ones. Returns whether there is a better
+    /// explanation.
     pub fn name(&self, pool: &mut Pool) -> bool {
         let best = pool.best(self.judge).clone();
         let temperature = pool.temperature(self.judge);
@@ -57,7 +58,7 @@ impl Search<'_> {
     }
 }
 
-/// Covariance of the ordinates of a learned law; none of another.
+/// Covariance of the ordinates of a learned law; `None` for another law.
 fn covariance(own: &Explanation, index: usize, temperature: f64) -> Option<DMatrix<f64>> {
     let effect = own.fitted.point.terms[index].effect;
     if !effect.is_learned() {

@@ -7,28 +7,29 @@ use quell_model::{Experiment, Output};
 use quell_recording::Role;
 use quell_signal::{Motion, RestRule, noise_floor, phases};
 
-/// Fewest samples of rest that tell the colour of the noise.
+/// Fewest samples at rest that determine the colour of the noise.
 const FEWEST: usize = 150;
 
-/// Ratio of two estimates of a deviation, from a hundred samples and more each, that chance does not make.
+/// Ratio of two estimates of a standard deviation, each from a hundred samples or more, beyond chance.
 pub const LOUDER: f64 = 1.2;
 
-/// How much noisier one coordinate of a sensor may be than the others.
+/// Greatest ratio between the noise of one coordinate of a sensor and that of the others.
 const WITNESS: f64 = 3.0;
 
-/// Deviation of noise of one pole at 0.95 over what its third differences show: noise that is slower is drift.
-/// With `r` its pole their variance is `20 - 30 r + 12 r^2 - 2 r^3` times its own, against 20 where it is white.
+/// Standard deviation of noise with one pole at 0.95, relative to what its third differences show. Slower noise
+/// is drift. With a pole `r` the variance of third differences is `20 - 30 r + 12 r^2 - 2 r^3` times the
+/// noise's, against 20 for white noise.
 pub const REDDEST: f64 = 5.7;
 
-/// Samples of a stretch whose variance is worth comparing.
+/// Shortest stretch, in samples, whose variance is worth comparing.
 const SHORTEST: usize = 40;
 
 /// Noise of an output from the residual of a refitted model, its offset taken out.
 ///
-/// From stretches where the motor side rests and the vibration, which decays at `decay` (1/s), has died
-/// away; their mean is taken out. Where there is no such rest, from frequencies far above `frequency`
-/// (rad/s), at which it vibrates; or from third differences, which do not see what is smooth. Never below
-/// what rounding makes.
+/// It is estimated at rest: from stretches where the motor side rests and the vibration, which decays at
+/// `decay` (1/s), has died away; their mean is taken out. Without such rest it is estimated from frequencies
+/// far above the vibration's `frequency` (rad/s), or from third differences, which do not see smooth signals.
+/// It is never below the rounding.
 pub fn noise(
     experiment: &Experiment,
     output: &Output,
@@ -36,10 +37,10 @@ pub fn noise(
     rates: (f64, f64),
 ) -> Whitening {
     let found = shown(experiment, output, residual, rates);
-    // Noise is no louder than all that is left.
+    // The noise is no larger than the whole residual.
     let left = residual.iter().map(|r| r * r).sum::<f64>() / residual.len() as f64;
     let times = left.sqrt() / found.deviation;
-    // Of a sensor that shows a few values its steps are all that is known.
+    // If a sensor shows only a few values, its steps are all that is known.
     let coarse = least_increment(&output.values).is_some();
     match times < 1.0 && left > 0.0 && !coarse {
         true => found.louder(times),
@@ -56,8 +57,8 @@ fn shown(
     let white = noise_floor(residual).standard_deviation;
     let least = rounding(output).max(f64::MIN_POSITIVE);
     let quiet = quiet(experiment, output, decay);
-    // Where nothing moves what was recorded is noise, too: what a model makes there, as one that was given a start to
-    // make up for what it lacks, is none.
+    // At rest the recorded signal is noise, too. The model's motion there is not, for example if its start
+    // compensates for missing physics.
     let quieter = |range: &std::ops::Range<usize>| {
         let [left, all] =
             [residual, &output.values].map(|values| detrended(&values[range.clone()]));
@@ -75,13 +76,12 @@ fn shown(
         false => restless(experiment, output, residual, frequency)
             .unwrap_or_else(|| Whitening::white(white)),
     };
-    // What is far louder than it is rough is no noise: something rings on, or drifts, at rest.
+    // A signal much larger than its roughness is no noise: it is a vibration or a drift at rest.
     if found.deviation > REDDEST * white && white > 0.0 {
         return Whitening::white(white.max(least));
     }
-    // A sensor that is quieter at rest than its own rounding tells nothing at rest; one that is much
-    // quieter than its differences in motion does not either.
-    // A sensor that rounds is quieter at rest than in motion.
+    // The noise at rest is not used if the sensor rounds: then it is quieter at rest than in motion. That shows
+    // if it is below the rounding, or much below the third differences in motion.
     let moving = noise_floor(&busy(residual, &quiet)).standard_deviation;
     if moving > LOUDER * found.deviation {
         return Whitening::white(moving.max(least));
@@ -97,8 +97,8 @@ fn shown(
     found
 }
 
-/// What rounding makes of the noise of a sensor: `q / sqrt 12`, with the step that is seen in its changes, or, of
-/// one that shows a few values only, the least distance between these; 0 where there is none.
+/// Noise of a sensor by rounding: `q / sqrt 12`. `q` is the step of its changes or, if it shows a few values
+/// only, the least distance between these. 0 without rounding.
 pub fn rounding(output: &Output) -> f64 {
     let step = output
         .coordinate_step
@@ -107,7 +107,8 @@ pub fn rounding(output: &Output) -> f64 {
     step.map_or(0.0, |step| step / 12f64.sqrt())
 }
 
-/// Most values of a sensor whose distances are its steps: eight of chance would pass for such with one in 1e5.
+/// Most distinct values whose distances are taken for steps: eight values are on such a grid by chance once in
+/// 1e5.
 const FEW: usize = 7;
 
 fn least_increment(values: &[f64]) -> Option<f64> {
@@ -140,7 +141,7 @@ fn restless(
     colour(residual, period, frequency)
 }
 
-/// Whether what drives the experiment is a motion, whose spectrum falls.
+/// Whether the input is a motion, whose spectrum falls with frequency.
 fn moved(experiment: &Experiment) -> bool {
     matches!(
         experiment.input,
@@ -148,8 +149,8 @@ fn moved(experiment: &Experiment) -> bool {
     )
 }
 
-/// Stretches as quiet as the quietest one, within what chance makes of the deviation of stretches of at
-/// least [`SHORTEST`] samples: where something still rings is no noise.
+/// Stretches as quiet as the quietest one, within the chance scatter for stretches of at least [`SHORTEST`]
+/// samples. A louder one still rings and is no noise.
 fn quietest(stretches: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let long = stretches.iter().filter(|s| s.len() >= SHORTEST);
     let least = long.map(|s| power(s)).fold(f64::INFINITY, f64::min);
@@ -163,7 +164,7 @@ fn power(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64
 }
 
-/// Stretches of rest in which nothing rings any more.
+/// Stretches of rest after the vibration has decayed.
 fn quiet(experiment: &Experiment, output: &Output, decay: f64) -> Vec<std::ops::Range<usize>> {
     if !moved(experiment) {
         return Vec::new();
@@ -186,7 +187,7 @@ fn quiet(experiment: &Experiment, output: &Output, decay: f64) -> Vec<std::ops::
     ranges
 }
 
-/// What is not in the ranges, which are in order.
+/// The values outside of the ranges, which are in order.
 fn busy(values: &[f64], ranges: &[std::ops::Range<usize>]) -> Vec<f64> {
     let ends = ranges.iter().map(|range| range.end);
     let begins = ranges.iter().map(|range| range.start);

@@ -1,10 +1,10 @@
-//! Colour of the noise where nothing rests: from frequencies at which the motion says nothing.
+//! Colour of the noise without rest: from frequencies at which the motion has no energy.
 //!
-//! A mode answers a motion with the inverse square of the frequency, and what a model of it lacks falls
-//! faster still; noise does not. Above a few times the natural frequency the logarithm of the residual's
-//! periodogram is that of the noise's spectrum plus an error of known distribution. With one pole,
-//! `S = sigma^2 / |1 - a exp(-i w)|^2`, level and pole follow by least absolute deviations, which a
-//! narrow peak (a further mode, mains hum) does not draw.
+//! A mode responds to a motion with the inverse square of the frequency, and the model's error falls faster
+//! still; noise does not fall. Above a few natural frequencies the logarithm of the residual's periodogram is
+//! thus that of the noise's spectrum, plus an error of known distribution. With one pole the spectrum is `S =
+//! sigma^2 / |1 - a exp(-i w)|^2`. Level and pole follow by least absolute deviations, which are robust against
+//! narrow peaks (a further mode, mains hum).
 //!
 //! Source: Brockwell and Davis, Time Series: Theory and Methods (1991), section 10.3, for the
 //! distribution of a periodogram.
@@ -13,19 +13,19 @@ use super::whitening::Whitening;
 use quell_signal::{Window, spectrum};
 use std::f64::consts::TAU;
 
-/// Natural frequencies above which the residual is the noise's: the response is down to a tenth.
+/// Natural frequencies above which the residual is noise: the response has fallen to a tenth.
 const ABOVE: f64 = 3.0;
-/// Fewest lines that tell a pole.
+/// Fewest spectral lines that determine a pole.
 const FEWEST: usize = 100;
 /// Median of the logarithm of a periodogram over its mean: that of an exponential variable.
 const MEDIAN: f64 = -0.366_513;
 /// Poles that are tried.
 const POLES: usize = 20;
-/// Largest pole: noise that is slower is drift.
+/// Largest pole; slower noise is drift.
 const SLOWEST: f64 = 0.95;
 
-/// Noise of one pole, or white where a pole explains no more; `None` where the samples are too few or
-/// too slow. `period` is that of the samples, s; `frequency` the natural one, rad/s.
+/// Noise of one pole; white where a pole explains no more; `None` where the samples are too few or too slow.
+/// `period` is that of the samples, s; `frequency` the natural one, rad/s.
 pub fn colour(residual: &[f64], period: f64, frequency: f64) -> Option<Whitening> {
     let lines = spectrum(residual, period, Window::Hann, 1).ok()?;
     let n = residual.len() as f64;
@@ -46,8 +46,8 @@ pub fn colour(residual: &[f64], period: f64, frequency: f64) -> Option<Whitening
     let poles = (1..=POLES).map(|k| SLOWEST * k as f64 / POLES as f64);
     let fits = poles.map(|pole| (pole, fit(&band, pole)));
     let (pole, found) = fits.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
-    // Schwarz's criterion with errors of Laplace's distribution, as least absolute deviations have it;
-    // lines are independent where they are not padded.
+    // Schwarz's criterion for Laplace-distributed errors, which match least absolute deviations. Spectral lines
+    // are independent without padding.
     let count = band.len() as f64 * (TAU / (lines.resolution * period) / n).recip().min(1.0);
     let better = 2.0 * count * (white.1 / found.1).ln() > count.ln();
     let (pole, innovation) = if better {

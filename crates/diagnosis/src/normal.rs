@@ -93,7 +93,8 @@ pub fn solve(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Op
         for j in 0..scaled.ncols() {
             scaled[(i, j)] /= scale[i] * scale[j];
         }
-        // A direction without any effect does not move; the rounding of the sums keeps it positive.
+        // A direction without any effect does not move. The addition keeps the matrix positive in spite of
+        // rounding.
         scaled[(i, i)] += damping + 1e-13;
     }
     let right = gradient.component_div(&scale);
@@ -107,8 +108,8 @@ pub fn scales(normal: &DMatrix<f64>) -> DVector<f64> {
     normal.diagonal().map(root)
 }
 
-/// The inverse of the normal matrix with its unknowns divided by [`scales`]. A direction without any effect
-/// keeps what is added: a million of its units.
+/// The inverse of the normal matrix, its unknowns divided by [`scales`]. In a direction without any effect the
+/// added term gives a standard deviation of a million units.
 pub fn covariance(normal: &DMatrix<f64>, scale: &DVector<f64>) -> Option<DMatrix<f64>> {
     let n = normal.nrows();
     let scaled = DMatrix::from_fn(n, n, |i, j| {
@@ -117,8 +118,8 @@ pub fn covariance(normal: &DMatrix<f64>, scale: &DVector<f64>) -> Option<DMatrix
     Cholesky::new(scaled).map(|root| root.inverse())
 }
 
-/// Standard deviations of the first unknowns by the inverse of the normal matrix, the others free; large
-/// where the data say nothing.
+/// Standard deviations of the first unknowns from the inverse of the normal matrix, with the others free. They
+/// are large where the data contain no information.
 pub fn deviations(normal: &DMatrix<f64>, first: usize) -> Vec<f64> {
     let scale = scales(normal);
     let whole = covariance(normal, &scale);

@@ -1,4 +1,4 @@
-//! What a diagnosis is asked for, and what it gives.
+//! Input options and results of a diagnosis.
 
 use super::document::Diagnosis;
 use super::stop::Stop;
@@ -6,17 +6,17 @@ use super::traces::Traces;
 use quell_model::effects::{Catalogue, Units};
 use quell_model::{Model, Term};
 
-/// What the caller may choose.
+/// Options of the caller.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Seed of the bootstrap.
     pub seed: u64,
-    /// What the model may lack.
+    /// Effects that the model may lack.
     pub catalogue: Catalogue,
     /// Ends the diagnosis before its time; by default nothing does.
     pub stop: Stop,
-    /// Ends the search for further effects, and tells the best that was found so far; by default nothing does. It
-    /// is asked between the structures that are extended.
+    /// Ends the search for further effects with the best explanation so far; by default nothing does. It is
+    /// asked before each structure that is extended.
     pub enough: Stop,
 }
 
@@ -31,15 +31,15 @@ impl Default for Options {
     }
 }
 
-/// All that a diagnosis gives.
+/// The results of a diagnosis.
 pub struct Outcome {
-    /// What it says.
+    /// The diagnosis itself.
     pub diagnosis: Diagnosis,
-    /// The model with the findings in it, but for what happened in one recording.
+    /// The model with the findings, without events of a single recording.
     pub model: Model,
-    /// What happened in one recording.
+    /// Events of single recordings.
     pub happened: Vec<Term>,
-    /// What a report draws.
+    /// Series for a report.
     pub traces: Traces,
     /// Units of the model's forces and positions; none where nothing was fitted.
     pub units: Option<Units>,
@@ -55,5 +55,5 @@ impl Outcome {
     }
 }
 
-/// How told: the share of the work that is done, and what is being done.
+/// Callback for progress: the finished share of the work, and the present step.
 pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);

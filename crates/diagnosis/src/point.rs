@@ -1,4 +1,4 @@
-//! A point in the space of the unknowns: what all recordings share, and what each has of its own.
+//! A point in the space of the unknowns: shared by all recordings, or of one recording.
 
 use quell_model::effects::{Effect, Place};
 use quell_model::{Departure, Term};
@@ -6,7 +6,7 @@ use quell_model::{Departure, Term};
 /// An effect at a place.
 pub type EffectAt = (&'static Effect, Place);
 
-/// What an experiment alone has.
+/// Unknowns of one experiment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Local {
     /// Clock offset of each output, s.
@@ -24,11 +24,11 @@ pub struct Point {
     pub terms: Vec<Term>,
     /// Effects before this one belong to the given model.
     pub given_terms: usize,
-    /// What each experiment alone has.
+    /// Unknowns of each experiment.
     pub locals: Vec<Local>,
-    /// Inertia of the link with each payload, in times that with the first one.
+    /// Inertia of the link with each payload, relative to that with the first one.
     pub inertias: Vec<f64>,
-    /// Unknowns that stay as they are for now.
+    /// Unknowns that are not fitted for now.
     pub held: Vec<Global>,
 }
 
@@ -44,7 +44,7 @@ pub enum Global {
 }
 
 impl Point {
-    /// The point without an effect.
+    /// The point without a term.
     pub fn without(&self, term: usize) -> Self {
         let mut point = self.clone();
         point.terms.remove(term);
@@ -71,14 +71,14 @@ impl Point {
         effects
     }
 
-    /// The point without what happened in one recording.
+    /// The point without events of single recordings.
     pub fn without_what_happened(&self) -> Self {
         let mut point = self.clone();
         point.terms.retain(|term| term.recording.is_none());
         point
     }
 
-    /// The point without an effect that was added.
+    /// The point without an added effect.
     pub fn without_effect(&self, effect: EffectAt) -> Self {
         let mut point = self.clone();
         point.terms = self.terms[..self.given_terms].to_vec();
@@ -88,8 +88,8 @@ impl Point {
         point
     }
 
-    /// Takes what each experiment alone has from another point, where it was found for another number of windows:
-    /// the same experiments are looked at in windows or in one piece.
+    /// Takes the unknowns of each experiment from another point if it has another number of windows: the same
+    /// experiments may be simulated in windows or in one piece.
     pub fn start_as(&mut self, other: &Self) {
         let windows = |point: &Self| -> Vec<usize> {
             point

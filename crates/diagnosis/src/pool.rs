@@ -1,4 +1,4 @@
-//! The explanations that were looked at, one of each structure, and what is believed of each.
+//! The explanations of a search, one for each structure, with their evidence.
 
 use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
@@ -9,19 +9,18 @@ use super::thresholds::BEAM;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
-/// Explanations that are fitted again where the noise is found to be another: more than a credible set has.
+/// Explanations that are fitted again after the noise has changed: more than a credible set has.
 const KEPT: usize = 12;
-/// Logarithm of the odds against the best one at which an explanation is not fitted again: that of a probability of
+/// Log odds against the best explanation beyond which an explanation is not fitted again: a probability of
 /// 5e-5, a two-hundredth of what a credible set leaves out.
 const HOPELESS: f64 = 10.0;
 
-/// Share of what laws explain by which they are wrong, and by which nobody knows how: those of the catalogue are
-/// idealised.
+/// Assumed relative error of the catalogue's laws, which are idealised; its shape is unknown.
 ///
 /// Source: Kennedy and O'Hagan, J. Royal Statistical Society B 63 (2001).
 const DISCREPANCY: f64 = 0.1;
 
-/// An explanation, and the tables by whose effects it was extended.
+/// An explanation, and the tables whose effects have extended it.
 #[derive(Clone)]
 struct Entry {
     own: Explanation,
@@ -35,12 +34,12 @@ struct Entry {
 pub struct Pool {
     /// In the order in which they were found; the first is the model as it was given, refitted.
     all: Vec<Entry>,
-    /// Whether structures of more effects than the best were looked at.
+    /// Whether structures of more effects than the best one's were searched ahead.
     pub looked_ahead: bool,
 }
 
 impl Pool {
-    /// With the refitted model alone.
+    /// A pool of the refitted model alone.
     pub fn new(baseline: Explanation) -> Self {
         Self {
             all: vec![Entry {
@@ -52,7 +51,7 @@ impl Pool {
         }
     }
 
-    /// Adds an explanation, unless the same structure is there with a better fit.
+    /// Adds an explanation, unless the pool has the same structure with a better fit.
     pub fn add(&mut self, next: Explanation) {
         match self.all.iter_mut().find(|entry| entry.own.is_like(&next)) {
             Some(entry) if entry.own.fitted.cost > next.fitted.cost => {
@@ -109,7 +108,7 @@ impl Pool {
         &self.all[0].own
     }
 
-    /// The most probable one.
+    /// The most probable explanation.
     pub fn best(&self, judge: &Judge) -> &Explanation {
         self.ranked(self.temperature(judge))[0].0
     }
@@ -136,7 +135,7 @@ impl Pool {
         entries.for_each(|entry| entry.extended.push(table));
     }
 
-    /// Marks a structure as fitted again without each of its effects; whether it was before.
+    /// Marks a structure as fitted again without each of its effects; returns whether it was marked before.
     pub fn thin_out(&mut self, own: &Explanation) -> bool {
         let mut like = self.all.iter_mut().filter(|entry| entry.own.is_like(own));
         let thinned = like
@@ -159,17 +158,19 @@ impl Pool {
         self.all.iter().map(|entry| entry.extended.len()).sum()
     }
 
-    /// Chi-squared a row, at least 1, of what the explanation leaves that leaves least: of what was fitted and of what
-    /// was held out, there beyond the errors of the fit.
+    /// Chi-squared per row, at least 1, of the explanation that leaves least, over fitted rows and held-out
+    /// rows (those beyond the errors of the fit).
     pub fn unit(&self, judge: &Judge) -> f64 {
         unit(self.least(), judge)
     }
 
-    /// Temperature of the evidence: size and correlation of the noise, [`CALIBRATED`]; and of what laws may be wrong
-    /// by, up to a share [`DISCREPANCY`] of what they explain, and as correlated.
+    /// Temperature of the evidence: [`CALIBRATED`] times the size and correlation of the noise, plus a possible
+    /// error of the laws. The latter is up to a share [`DISCREPANCY`] of what they explain, with the same
+    /// correlation.
     ///
-    /// The noise is between what the simplest explanation leaves that leaves nothing else, in which a small effect may
-    /// be, and what the one leaves that leaves least, which may have taken noise for an effect: their geometric mean.
+    /// The noise lies between two residuals: that of the simplest explanation that leaves only noise, which may
+    /// hide a small effect, and that of the explanation that leaves least, which may have fitted noise. Their
+    /// geometric mean is taken.
     pub fn temperature(&self, judge: &Judge) -> f64 {
         let (first, least) = (self.baseline(), self.least());
         let noise = |own: &Explanation| unit(own, judge) * own.evidence.correlation();
@@ -179,14 +180,14 @@ impl Pool {
         CALIBRATED * noise + wrong * first.evidence.correlation()
     }
 
-    /// The explanation that leaves least.
+    /// The explanation with the least residual.
     fn least(&self) -> &Explanation {
         let all = self.all.iter().map(|entry| &entry.own);
         let least = all.min_by(|a, b| left(a).total_cmp(&left(b)));
         least.unwrap_or(self.baseline())
     }
 
-    /// The simplest explanation that leaves nothing but noise; where none does the one that leaves least.
+    /// The simplest explanation that leaves only noise; if there is none, the one that leaves least.
     fn simplest(&self, judge: &Judge) -> &Explanation {
         let all = self.all.iter().map(|entry| &entry.own);
         let noise = all.filter(|own| judge.leaves_noise(own));
@@ -194,8 +195,8 @@ impl Pool {
         noise.min_by_key(order).unwrap_or(self.least())
     }
 
-    /// All of them with the logarithms of their marginal likelihoods, the most probable first; those that mean nothing
-    /// where the data are, as a parameter is at the end of its range, come last: they lead nowhere.
+    /// All explanations with their log marginal likelihoods, the most probable first. Those with a parameter at
+    /// the end of its range come last: such parameters are meaningless.
     pub fn ranked(&self, temperature: f64) -> Vec<(&Explanation, f64)> {
         let scored = |entry: &'_ Entry| entry.own.log_evidence(temperature);
         let mut ranked: Vec<(&Explanation, f64)> = self
@@ -209,17 +210,17 @@ impl Pool {
     }
 }
 
-/// Chi-squared of what an explanation leaves.
+/// Chi-squared of an explanation's residual.
 fn left(own: &Explanation) -> f64 {
     own.evidence.left() + own.evidence.held_out_beyond_fit()
 }
 
-/// The same a row, at least 1.
+/// The same per row, at least 1.
 fn unit(own: &Explanation, judge: &Judge) -> f64 {
     (left(own) / rows(judge)).max(1.0)
 }
 
-/// Rows in which it is left.
+/// Number of these rows.
 fn rows(judge: &Judge) -> f64 {
     (judge.train_rows + judge.held_out_rows).max(1) as f64
 }

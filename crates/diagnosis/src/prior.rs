@@ -1,8 +1,9 @@
-//! Prior probabilities: how large the parameters of an effect are, and how likely a structure is.
+//! Prior probabilities of parameters and of structures.
 //!
-//! A parameter enters the marginal likelihood by the width of its prior at the fitted value,
-//! `w = 1 / (sqrt(2 pi) p(theta))`: the deviation of the normal density that is as high there. Data that know it
-//! to a deviation `s` much less than `w` cost the effect `ln(w / s)`; data that say nothing of it cost nothing.
+//! A parameter enters the marginal likelihood by the width of its prior at the fitted value, `w = 1 / (sqrt(2
+//! pi) p(theta))`: the standard deviation of the normal density with the same maximum. Data that know the
+//! parameter to a standard deviation `s` much less than `w` cost the effect `ln(w / s)`; data without
+//! information cost nothing.
 
 use super::point::{EffectAt, Global, Point};
 use super::problem::Problem;
@@ -11,19 +12,19 @@ use quell_model::effects::ParameterRole;
 use quell_recording::Role;
 use std::f64::consts::{PI, TAU};
 
-/// Log of the odds that one more effect is missing against none more: each is half as likely as the one before.
+/// Log of the odds of one more effect: each further effect is half as likely as the one before.
 const ONE_MORE: f64 = -std::f64::consts::LN_2;
 
-/// Log of the odds of a law that a sensor of this kind cannot have by itself: one in twenty.
+/// Log of the prior odds, one in twenty, of a law that a sensor of this kind cannot have physically.
 const NOT_BY_ITSELF: f64 = -3.0;
 
 impl Problem<'_> {
     /// Width of the prior of an unknown, as the fit sees it, at its value in a point.
     ///
-    /// Sizes have a Cauchy density about the neutral value, whose scale is the typical size: of no preferred
-    /// order of magnitude beyond it. Times, positions and phases are uniform; frequencies and orders uniform in
-    /// their logarithm; shapes uniform within their bounds, in the logarithm where these span a decade. Keys have
-    /// what is believed of them.
+    /// Sizes have a Cauchy density about the neutral value with the typical size as scale, so that larger
+    /// orders of magnitude stay possible. Times, positions and phases are uniform; frequencies and orders
+    /// uniform in their logarithm; shapes uniform within their bounds, in the logarithm where these span a
+    /// decade. Keys have the width of their belief.
     pub fn prior_width(&self, point: &Point, global: Global) -> f64 {
         let root = TAU.sqrt();
         let Global::Parameter(term, index) = global else {
@@ -31,7 +32,8 @@ impl Problem<'_> {
                 Global::Key(key) if self.beliefs[key].1.is_finite() => {
                     let (value, std) = self.beliefs[key];
                     match self.logarithmic(global) {
-                        // Of a width that it has at the believed value: a damper that is not there is not unknown.
+                        // The width is that at the believed value: a damper that vanishes is not thereby
+                        // unknown.
                         true => std * value / point.keys[key],
                         false => std,
                     }
@@ -60,7 +62,7 @@ impl Problem<'_> {
             }
             ParameterRole::Position => self.scales.travel().max(typical) / root,
             ParameterRole::Phase => TAU / root,
-            // Of the curve as a whole more is known.
+            // The prior of the curve as a whole is in [`super::curves`].
             ParameterRole::Ordinate | ParameterRole::Range => typical,
             ParameterRole::Frequency | ParameterRole::Order if low > 0.0 => decades(value),
             _ if low > 0.0 && high > 10.0 * low => decades(value),
@@ -68,14 +70,14 @@ impl Problem<'_> {
         }
     }
 
-    /// Log of the prior probability of a structure, relative to that of the model as it was given: each effect
-    /// could have been any of the candidates.
+    /// Log of the prior probability of a structure, relative to that of the given model: each effect could be
+    /// any of the candidates.
     pub fn log_prior(&self, point: &Point) -> f64 {
         let each = self.log_prior_of_one();
         let terms = point.terms[point.given_terms..].iter();
         let of = |term: &quell_model::Term| {
             let (effect, _): EffectAt = term.identity();
-            // Two laws that are told as one are two all the same.
+            // Two laws that are reported as one still count as two.
             let laws = if effect.parts(&term.values).is_some() {
                 2.0
             } else {

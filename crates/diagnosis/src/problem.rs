@@ -10,14 +10,14 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-/// Rows of one output that count, as ranges of samples.
+/// Fitted rows of one output, as ranges of samples.
 pub type Rows = Vec<Range<usize>>;
 
-/// What the outputs of an experiment show of the errors of its input: for each error, of one standard deviation, a series
-/// an output.
+/// Responses of an experiment's outputs to errors of its input: for each error of one standard deviation one
+/// series for each output.
 pub type Responses = Vec<Vec<Vec<f64>>>;
 
-/// What is known, and what is to be explained.
+/// The data, the unknowns and the noise of a fit.
 #[derive(Clone)]
 pub struct Problem<'a> {
     /// Structure of the model.
@@ -26,11 +26,11 @@ pub struct Problem<'a> {
     pub experiments: &'a [Experiment],
     /// For each experiment and output the rows that are fitted.
     pub rows: Vec<Vec<Rows>>,
-    /// For each experiment and output what makes its noise white and of unit variance.
+    /// For each experiment and output the filter that makes its noise white and of unit variance.
     pub noise: Vec<Vec<Whitening>>,
-    /// The same as it weighs the rows: several outputs that are all far above their noise count alike.
+    /// The same as used for the weights: outputs whose residuals are all far above the noise weigh alike.
     pub whitening: Vec<Vec<Whitening>>,
-    /// For each experiment what its outputs show of the rounding of its input; empty where that is not known.
+    /// Responses of each experiment to the rounding of its input; empty where that is not known.
     pub input_rounding: Arc<Vec<Responses>>,
     /// Keys of the model that are free.
     pub free: Vec<usize>,
@@ -38,33 +38,33 @@ pub struct Problem<'a> {
     pub beliefs: Vec<(f64, f64)>,
     /// Bounds on the keys.
     pub bounds: Vec<(f64, f64)>,
-    /// What the given model says of the parameters of its effects, an effect each; fitted as keys are.
+    /// Values and beliefs of the given model's effects, for each effect; they are fitted as keys are.
     pub given: Vec<Vec<Value>>,
     /// Payloads of the recordings, that of the first one first.
     pub payloads: Vec<Option<String>>,
-    /// Which of them have an inertia that is free.
+    /// Which of them have a free inertia.
     pub free_payloads: Range<usize>,
     /// Components of the start (see [`simulate`]) that are free.
     pub departures: Vec<StartComponent>,
     /// Typical sizes of these components.
     pub departure_scale: Departure,
-    /// What the model may lack.
+    /// Effects that the model may lack.
     pub catalogue: Catalogue,
-    /// How large the motion is.
+    /// Sizes of the motion.
     pub scales: Scales,
-    /// The same for what happened in one recording only: with the time of each, and the instants at which something
-    /// seems to happen in it.
+    /// The same for events of a single recording: its index, and its scales with the instants of candidate
+    /// events.
     pub scales_of_each: Vec<(usize, Scales)>,
-    /// Whether only what each experiment alone has is fitted.
+    /// Whether only the experiments' own unknowns are fitted.
     pub frozen: bool,
     /// Ends the work before its time.
     pub stop: Stop,
-    /// Steps that were simulated so far: the work that was done, the same on every machine.
+    /// Number of simulated steps so far: a measure of the work that is the same on every machine.
     pub simulated: Arc<AtomicU64>,
 }
 
 impl Problem<'_> {
-    /// Starting point: the model's values, clocks as a first guess has them.
+    /// Starting point: the model's values, and first guesses of the clocks.
     pub fn start(&self, model: &Model) -> Point {
         let local = |experiment: &Experiment| Local {
             clocks: experiment.outputs.iter().map(|o| o.clock_offset).collect(),
@@ -104,20 +104,20 @@ impl Problem<'_> {
         all.filter(|global| !point.held.contains(global)).collect()
     }
 
-    /// What the given model says of a parameter of one of its effects.
+    /// Value and belief that the given model has for a parameter of one of its effects.
     pub(super) fn given(&self, term: usize, parameter: usize) -> Option<&Value> {
         self.given.get(term)?.get(parameter)
     }
 
-    /// Keys and effects stay as they are: only what each experiment alone has is fitted.
+    /// Fixes keys and effects, so that only the experiments' own unknowns are fitted.
     pub fn freeze(&mut self) {
         self.frozen = true;
         self.free.clear();
         self.given.clear();
     }
 
-    /// Components of the start that are free at a point's structure: those of the model, and those of
-    /// further modes that a force drives. Where the motor side's motion drives them they start at rest.
+    /// Components of the start that are free with a point's structure: those of the model, and those of further
+    /// modes that a force drives. Further modes driven by a prescribed motor side start at rest.
     pub fn departures(&self, point: &Point) -> Vec<StartComponent> {
         let mut free = self.departures.clone();
         if self.scales.forced {
@@ -128,8 +128,8 @@ impl Problem<'_> {
         free
     }
 
-    /// Free unknowns of the starts of an experiment: window and component. Further modes are not measured
-    /// where a window starts: they go on.
+    /// Free unknowns of the starts of an experiment: window and component. Further modes have no sensor at the
+    /// start of a window; they continue from the window before.
     pub fn starts(&self, point: &Point, experiment: usize) -> Vec<(usize, StartComponent)> {
         let each = |component: StartComponent| {
             let windows = self.starts_of(point, experiment, component);
@@ -158,7 +158,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Value of an unknown as the fit sees it.
+    /// Value of an unknown as the fit sees it, a logarithm where it is fitted by that.
     pub fn get(&self, point: &Point, global: Global) -> f64 {
         let value = match global {
             Global::Key(key) => point.keys[key],
@@ -194,7 +194,7 @@ impl Problem<'_> {
         self.kind.loaded(&point.keys, inertia)
     }
 
-    /// Weighted, whitened rows of one experiment from one series an output.
+    /// Weighted, whitened rows of one experiment, from one series for each output.
     pub fn weigh(&self, experiment: usize, series: &[Vec<f64>]) -> Vec<f64> {
         self.weigh_rows(experiment, series, &self.rows[experiment])
     }
@@ -211,7 +211,7 @@ impl Problem<'_> {
         rows
     }
 
-    /// Window in which each weighted row of one experiment lies, that of the witness' rows being none.
+    /// Window of each weighted row of one experiment; a row of the witness has none.
     pub fn windows(&self, experiment: usize, rows: usize) -> Vec<usize> {
         let data = &self.experiments[experiment];
         let mut windows = Vec::with_capacity(rows);
@@ -224,13 +224,13 @@ impl Problem<'_> {
         windows
     }
 
-    /// Weighted rows of the residuals of one experiment, the witness' rows at their end. NaN (a
-    /// simulation that ran away) becomes a large number, so that the fit turns back.
+    /// Weighted rows of the residuals of one experiment, with the witness' rows at the end. NaN (a diverged
+    /// simulation) becomes a large number, so that the fit turns back.
     pub fn complete(&self, experiment: usize, raw: &[Vec<f64>]) -> DVector<f64> {
         let mut rows = self.weigh(experiment, raw);
         for (index, row) in rows.iter_mut().enumerate() {
             if !row.is_finite() || row.abs() > 1e12 {
-                // Of changing sign, so that no offset is a good fit to it.
+                // The sign alternates, so that an offset does not fit it.
                 *row = if index % 2 == 0 { 1e12 } else { -1e12 };
             }
         }

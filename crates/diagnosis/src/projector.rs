@@ -1,4 +1,4 @@
-//! Linear nuisances, projected out of residuals that were made white.
+//! Projection of linear nuisances out of whitened residuals.
 //!
 //! Source: Golub and Pereyra, Inverse Problems 19 (2003) on separable least squares.
 
@@ -8,14 +8,14 @@ use nalgebra::{DMatrix, DVector};
 
 /// Projects the linear nuisances of every experiment out of residuals.
 pub struct Projector {
-    /// What is not white yet, an experiment each.
+    /// Covariance by the rounding of the input, for each experiment.
     input_rounding: Vec<RoundingCovariance>,
-    /// Orthonormal basis of the columns, an experiment each.
+    /// Orthonormal basis of the columns, for each experiment.
     bases: Vec<DMatrix<f64>>,
 }
 
 impl Projector {
-    /// For the rows of a problem.
+    /// The projector for the rows of a problem.
     pub fn new(problem: &Problem) -> Self {
         let all = || 0..problem.experiments.len();
         let own = |e: usize| RoundingCovariance::new(problem, e, &problem.rows[e]);
@@ -46,7 +46,7 @@ impl Projector {
     }
 }
 
-/// An orthonormal basis of the columns; those that depend on others are left out.
+/// An orthonormal basis of the columns, without linearly dependent ones.
 pub fn orthonormal(columns: DMatrix<f64>) -> DMatrix<f64> {
     let mut basis: Vec<DVector<f64>> = Vec::with_capacity(columns.ncols());
     for column in columns.column_iter() {

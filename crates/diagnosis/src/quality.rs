@@ -1,11 +1,11 @@
-//! How well an explanation fits what it was fitted to, and what was held out.
+//! Misfit of an explanation on fitted and held-out data.
 
 use super::document::{Fit, Quality};
 use super::point::Point;
 use super::problem::{Problem, Rows};
 use super::search::Search;
 
-/// Root mean square residuals in the unit of the first output, and in times the noise of each recording.
+/// Root mean square residuals, in the unit of the first output and relative to the noise of each recording.
 pub fn quality(search: &Search, point: &Point) -> Quality {
     let (judge, problem) = (search.judge, search.problem);
     let of = |rows: &[Vec<Rows>]| rms(problem, point, rows);
@@ -25,7 +25,7 @@ pub fn quality(search: &Search, point: &Point) -> Quality {
     }
 }
 
-/// Of the first outputs.
+/// Root mean square residual of the first outputs, in their unit and relative to the noise.
 fn rms(problem: &Problem, point: &Point, rows: &[Vec<Rows>]) -> [f64; 2] {
     let (mut sum, mut over, mut count) = (0.0, 0.0, 0);
     for (e, rows) in rows.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What the reader of a diagnosis should know besides the verdict.
+//! Remarks for the reader of a diagnosis.
 
 use super::found::Found;
 use super::point::Point;
@@ -6,7 +6,7 @@ use super::problem::Problem;
 use quell_recording::Recording;
 use quell_recording::health::{JITTER, health};
 
-/// What is irregular in the recordings, and what was made of it.
+/// Irregularities of the recordings, and how they were treated.
 pub fn recorded(recordings: &[Recording]) -> Vec<String> {
     let mut remarks = Vec::new();
     for recording in recordings {
@@ -95,7 +95,7 @@ impl Problem<'_> {
     }
 }
 
-/// Gains that nobody knew, as they were fitted.
+/// Fitted values of gains that were not known.
 fn gains(problem: &Problem, point: &Point) -> Vec<String> {
     let mut told = Vec::new();
     for (e, experiment) in problem.experiments.iter().enumerate() {

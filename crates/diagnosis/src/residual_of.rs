@@ -1,4 +1,4 @@
-//! Where the residual of an explanation sits, and what it suggests to look at.
+//! Location of an explanation's residual, and the candidates that it suggests.
 
 use super::explanation::Explanation;
 use super::locate::{Dynamics, Located, Residual, locate};
@@ -10,7 +10,7 @@ use quell_recording::Role;
 use std::f64::consts::TAU;
 
 impl Problem<'_> {
-    /// Takes the events, frequencies, orders and stops that an explanation leaves for those to look at.
+    /// Replaces the candidate events, frequencies, orders and stops by those of an explanation's residual.
     pub fn locate_again(&mut self, own: &Explanation) {
         let located = self.locate(own);
         tracing::debug!(
@@ -35,7 +35,7 @@ impl Problem<'_> {
         self.scales_of_each = self.of_each(own, located.candidate_events);
     }
 
-    /// The scales of each recording, the events of the first one being known.
+    /// The scales of each recording; `first` are the events of the first one.
     fn of_each(&self, own: &Explanation, first: Vec<f64>) -> Vec<(usize, Scales)> {
         let mut each: Vec<(usize, Scales)> = Vec::new();
         let mut known = Some(first);
@@ -62,7 +62,7 @@ impl Problem<'_> {
         each
     }
 
-    /// Where the residual of the first output sits.
+    /// Location of the residual of the first output.
     pub fn locate(&self, own: &Explanation) -> Located {
         self.locate_in(&own.fitted.point, 0)
     }
@@ -76,20 +76,20 @@ impl Problem<'_> {
         [motor, link]
     }
 
-    /// Where the residual of the first output of an experiment sits.
+    /// Location of the residual of the first output of an experiment.
     fn locate_in(&self, point: &Point, e: usize) -> Located {
         self.locate_series(point, e, &self.explained(point, e)[0])
     }
 
-    /// Where a residual of the first output of an experiment sits, in the motion that a point makes.
+    /// Location of a residual of the first output of an experiment, in the motion that a point simulates.
     pub fn locate_series(&self, point: &Point, e: usize, residual: &[f64]) -> Located {
         let problem = self;
         let (experiment, local) = (&problem.experiments[e], &point.locals[e]);
         let output = &experiment.outputs[0];
         let [mut motor, mut link] = problem.kinematics(point, e);
         if output.role == Role::MotorPosition {
-            // Where a law of position acts is where the axis was, not where an error of the force has carried the
-            // simulation.
+            // A law of position acts at the recorded position of the axis, not at the simulated one, which a
+            // force error may have shifted.
             for (k, error) in residual.iter().enumerate() {
                 motor[k][0] += error;
                 link[k][0] += error;
@@ -99,7 +99,7 @@ impl Problem<'_> {
             .kind
             .mode
             .map(|(f, xi)| (point.keys[f] * TAU, point.keys[xi]));
-        // An error of the motor side passes the coupling to its measured motion.
+        // An error of the motor side acts through the coupling to its measured motion.
         let coupling = experiment.coupling.as_ref().map(|own| (own.rate, 1.0));
         let coupling = coupling.filter(|_| output.role == Role::MotorPosition);
         let (natural_frequency, damping_ratio) = coupling.or(mode).unwrap_or((0.0, 0.0));

@@ -1,4 +1,4 @@
-//! The error of a sensor that rounds, which is one and the same while it rests.
+//! The error of a sensor that rounds, which is constant at rest.
 //!
 //! Source: Widrow and Kollar, Quantization Noise (2008), chapter 4.
 
@@ -6,9 +6,9 @@ use super::problem::Rows;
 use quell_model::Experiment;
 use quell_signal::noise_floor;
 
-/// Chi-squared by which chance may raise what was held out where sensors round: twice the standard deviation. While a
-/// sensor rests its error is one and the same, evenly drawn from a step, and its square over the mean has a deviation
-/// of `sqrt(4 / 5)`.
+/// Chi-squared that chance may add to held-out rows of sensors that round: twice its standard deviation. At
+/// rest the error is constant, uniformly distributed over a step. Its square, relative to the mean, has a
+/// standard deviation of `sqrt(4 / 5)`.
 pub fn rounding(experiments: &[Experiment], rows: &[Vec<Rows>]) -> f64 {
     let mut squares = 0.0;
     for (experiment, rows) in experiments.iter().zip(rows) {
@@ -24,8 +24,8 @@ pub fn rounding(experiments: &[Experiment], rows: &[Vec<Rows>]) -> f64 {
     2.0 * (0.8 * squares).sqrt()
 }
 
-/// Sum of the squared lengths of the stretches in which values stay within a step, and half of one for what
-/// rounding differences are off.
+/// Sum of the squared lengths of the stretches in which values stay within one and a half steps: half a step allows
+/// for rounding of the differences.
 fn rests(values: &[f64], step: f64) -> f64 {
     let (mut sum, mut start) = (0.0, 0);
     for k in 1..=values.len() {

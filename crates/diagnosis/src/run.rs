@@ -28,17 +28,17 @@ use quell_model::{Experiment, Model};
 use quell_recording::Recording;
 use std::sync::Arc;
 
-/// What a look ends with.
+/// Result of one look.
 pub(super) struct Looked {
-    /// What it says.
+    /// The outcome.
     pub outcome: Outcome,
-    /// Where the explanations that were looked at ended.
+    /// Fitted points of the explanations of the search.
     pub points: Vec<Point>,
-    /// Whether effects were found beside which no key of the model is at the end of what is believed of it.
+    /// Whether effects were found, with all keys of the model inside their believed ranges.
     pub believable: bool,
 }
 
-/// What experiments, and others held apart, say.
+/// One look at experiments, and at others held apart.
 pub(super) fn attempt(
     model: &Model,
     recordings: Recordings,
@@ -55,7 +55,7 @@ pub(super) fn attempt(
     })
 }
 
-/// Where there are several recordings, each series that is drawn bears the name of its own.
+/// Adds the recording's name to each drawn series where there are several recordings.
 fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome {
     if recordings.len() > 1 {
         let pairs = recordings.iter().zip(&data.experiments);
@@ -67,7 +67,7 @@ fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome
     outcome
 }
 
-/// The whole journey.
+/// All steps of a look.
 fn investigate(
     model: &Model,
     (data, recordings): (&Data, Recordings),
@@ -136,17 +136,17 @@ fn investigate(
     })
 }
 
-/// The given model, refitted, with the noise that it leaves measured.
+/// The refitted model; the noise is measured from its residual.
 fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     let start = problem.start(model);
     if problem.experiments[0].outputs.len() > 1 {
-        // What the model as it was given leaves of each output is the first guess of their weights.
+        // The first guess of the weights is the residual of the given model in each output.
         measure_noise(problem, &start);
     }
     let mut projector = Projector::new(problem);
     let mut first = refit(problem, &start, &projector);
     first = ringing(problem, first, &projector);
-    // What rings at the start would be taken for noise, were it not fitted first.
+    // Vibration at the start is fitted first. It would otherwise be taken for noise.
     measure_noise(problem, &first.point);
     problem.input_rounding = Arc::new(problem.responses_to_rounding(&first.point));
     projector = Projector::new(problem);

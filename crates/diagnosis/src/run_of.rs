@@ -1,4 +1,4 @@
-//! One experiment at a point, held against what was recorded.
+//! Simulation of one experiment at a point, compared with the recording.
 
 use super::point::Point;
 use super::problem::Problem;
@@ -6,13 +6,13 @@ use quell_model::effects::Law;
 use quell_model::{Experiment, Output, Prediction, Simulated, predict_windows, simulate_windows};
 use std::sync::atomic::Ordering::Relaxed;
 
-/// A simulated experiment, held against what was recorded.
+/// A simulated experiment, compared with the recording.
 pub struct Run {
-    /// The motion; none of a frozen problem, which does not look at it again.
+    /// The motion; `None` in a frozen problem, which does not need it again.
     pub simulated: Option<Simulated>,
-    /// Recorded minus predicted, an output each.
+    /// Recorded minus predicted, for each output.
     pub residuals: Vec<Vec<f64>>,
-    /// Rates of the prediction, an output each; empty where its clock is the input's.
+    /// Rates of the prediction, for each output; empty where its clock is the input's.
     pub rates: Vec<Vec<f64>>,
 }
 
@@ -35,8 +35,8 @@ impl Problem<'_> {
         self.read(point, experiment, simulated)
     }
 
-    /// One experiment at a point that differs from that of a run in one effect only. What only reads the
-    /// motion leaves it as it is.
+    /// A run of one experiment at a point that differs from that of `run` in one effect only. If the effect
+    /// only reads the motion, the motion is reused.
     pub fn run_again(&self, point: &Point, experiment: usize, term: usize, run: &Run) -> Run {
         let own = &point.terms[term];
         match ((own.effect.law)(&own.values), &run.simulated) {
@@ -47,7 +47,7 @@ impl Problem<'_> {
         }
     }
 
-    /// A simulated experiment, held against what was recorded.
+    /// Compares a simulated experiment with the recording.
     fn read(&self, point: &Point, experiment: usize, simulated: Simulated) -> Run {
         let data = &self.experiments[experiment];
         let pairs = data.outputs.iter().zip(&point.locals[experiment].clocks);
@@ -58,7 +58,7 @@ impl Problem<'_> {
     }
 }
 
-/// A run that was not made, as one that ran away.
+/// A run that was skipped; it looks like one that diverged.
 fn left_out(data: &Experiment) -> Run {
     let nothing = |output: &Output| vec![f64::NAN; output.values.len()];
     let rates = |output: &Output| match output.own_clock {
@@ -72,7 +72,7 @@ fn left_out(data: &Experiment) -> Run {
     }
 }
 
-/// What the outputs show, held against what was recorded.
+/// The predicted outputs, compared with the recording.
 fn compared(
     data: &Experiment,
     shown: impl Iterator<Item = Prediction>,

@@ -1,4 +1,4 @@
-//! How large the motion of a model is.
+//! Sizes of a model's motion.
 
 use quell_model::chain::MotorSide;
 use quell_model::effects::{Scales, Visited};
@@ -6,11 +6,11 @@ use quell_model::{Departure, Experiment, Kind, Model, StartComponent, Trace, see
 use quell_recording::Role;
 use std::f64::consts::TAU;
 
-/// Errors of a rigid axis that matter, as a share of its travel: what stands for the deformation.
+/// Typical error of a rigid axis, as a share of its travel; it replaces the deformation.
 const RIGID: f64 = 0.01;
 
-/// The departure of the start that makes a link as lively as its sensor, where its motor side stands
-/// still throughout: all that is seen is then free decay.
+/// A departure of the start that moves the link as much as its sensor does, if the motor side never moves: the
+/// recording then shows free decay only.
 fn rung(kind: &Kind, keys: &[f64], experiment: &Experiment) -> Departure {
     let mut start = Departure::default();
     let range = |values: &[f64]| {
@@ -29,11 +29,11 @@ fn rung(kind: &Kind, keys: &[f64], experiment: &Experiment) -> Departure {
     start
 }
 
-/// The largest sizes that a motion reaches; what is not finite does not count.
+/// The largest values of a motion; values that are not finite are ignored.
 struct Extremes {
     deformation: f64,
     deformation_rate: f64,
-    /// Of the link's position.
+    /// Range of the link's position.
     range: (f64, f64),
     velocity: f64,
     acceleration: f64,
@@ -41,10 +41,10 @@ struct Extremes {
     visited: Visited,
 }
 
-/// The range of nothing yet.
+/// The empty range.
 const EMPTY: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
-/// A range that holds a value, too; what is not finite does not count.
+/// Extends a range to a value; a value that is not finite is ignored.
 fn widen(range: &mut (f64, f64), value: f64) {
     if value.is_finite() {
         *range = (range.0.min(value), range.1.max(value));
@@ -97,8 +97,7 @@ impl Extremes {
     }
 }
 
-/// How large the motion is that a model of this kind, with these values of its keys, itself makes in
-/// the first of the experiments.
+/// Sizes of the motion that the model itself makes in the first experiment, with these values of its keys.
 pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Model) -> Scales {
     let experiment = &experiments[0];
     let start = rung(kind, keys, experiment);
@@ -120,9 +119,9 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         TAU / (span.1 - span.0) * 10.0
     };
     let elastic = linear.stiffness * deformation / linear.unit_force;
-    // Under a loop the input is a position: what drives is what the loop asks for.
+    // Under a loop the input is a position; the driving force is that of the loop.
     let driven = match linear.position_loop {
-        // What holds the link in its motion was measured: any one law may make all of it.
+        // The force that holds the link in its motion was measured: a single law may be all of it.
         _ if linear.link_is_input => largest(&experiment.outputs[0].values),
         Some(_) => seen.force / linear.unit_force,
         None => linear.motor_gain.abs().max(linear.link_gain.abs()) * input / linear.unit_force,
@@ -133,7 +132,7 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         _ => (0.0, 1.0),
     };
     let velocity = seen.velocity;
-    // Where nothing bends the same errors are held against the travel.
+    // Without an elastic joint errors are compared with the travel.
     let (deformation, deformation_rate) = match linear.link {
         Some(_) => (deformation, seen.deformation_rate),
         None => (RIGID * (position.1 - position.0), velocity),
@@ -145,7 +144,8 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
         velocity,
         acceleration: seen.acceleration,
         force: match linear.motor {
-            // Friction at the drive may take most of what drives, far more than the spring carries.
+            // Friction at the drive may take most of the driving force, which is far more than the spring
+            // carries.
             MotorSide::Free { .. } => elastic.max(driven),
             _ if elastic > 0.0 && linear.link.is_some() && !linear.link_is_input => elastic,
             _ => driven,
@@ -167,12 +167,12 @@ pub fn scales(kind: &Kind, keys: &[f64], experiments: &[Experiment], model: &Mod
     }
 }
 
-/// The least range that contains two.
+/// The least range that contains two others.
 fn joined(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
     (one.0.min(other.0), one.1.max(other.1))
 }
 
-/// The ranges that a motion visits, and those of what was recorded.
+/// The ranges that a motion visits, and those of the recorded signals.
 fn visited(seen: &Extremes, experiments: &[Experiment]) -> Visited {
     let mut visited = seen.visited;
     for experiment in experiments {

@@ -12,18 +12,20 @@ use quell_model::{Experiment, Model, Output, Term};
 use quell_recording::Recording;
 use std::num::NonZeroUsize;
 
-/// How a recording is replayed, and to what of it its offsets, clocks and starts are fitted.
+/// How a recording is replayed, and to which samples its offsets, clocks and starts are fitted.
 #[derive(Clone, Copy)]
 enum Replay {
-    /// To all; an axis that a force drives freely in windows, each with a start of its own.
+    /// Fitted to all samples; an axis that a force drives freely is replayed in windows, each with a start of
+    /// its own.
     InWindows,
-    /// To all, in one piece.
+    /// Fitted to all samples, in one piece.
     InOnePiece,
-    /// To so many samples at the start; in one piece, as a start within what follows would tell of it.
+    /// Fitted to the first samples only. It is in one piece, since a restart in the rest would use measured
+    /// values.
     FromFirst(usize),
 }
 
-/// A prediction of every output, and the recording, at its stamps.
+/// Prediction and recording of an output at its stamps.
 pub struct Predicted {
     /// Role of the channel.
     pub name: &'static str,
@@ -31,16 +33,16 @@ pub struct Predicted {
     pub unit: String,
     /// Stamps, s.
     pub time: Vec<f64>,
-    /// What was recorded.
+    /// Recorded values.
     pub recorded: Vec<f64>,
-    /// What the model says.
+    /// Values that the model predicts.
     pub predicted: Vec<f64>,
 }
 
 /// Predicts a recording; only clocks, offsets, frames and unknown starts are fitted.
 ///
-/// The recording is taken, and the motion is simulated part by part: memory and time go with the number of
-/// samples, some hundred bytes each.
+/// The recording is consumed. The motion is simulated part by part: memory and time grow linearly with the
+/// number of samples, at some hundred bytes each.
 ///
 /// # Errors
 /// [`DiagnosisError`] where the recording does not suit the model.
@@ -52,7 +54,7 @@ pub fn predict(
 }
 
 /// As [`predict`], but clocks, offsets, frames and unknown starts are fitted to the first `samples` of each
-/// output alone, and the score is of all that follows: a free run into what nothing was fitted to.
+/// output only. The score is that of the rest, a prediction of data to which nothing was fitted.
 ///
 /// # Errors
 /// As [`predict`], and where an output has no more than `samples`.
@@ -64,7 +66,7 @@ pub fn forecast(
     predicted(model, &[], (recording, 0), Replay::FromFirst(samples.get()))
 }
 
-/// With what happened in a set of recordings, of which this is the one of an index.
+/// The prediction with events of a set of recordings; `index` is that of this recording in the set.
 fn predicted(
     model: &Model,
     happened: &[Term],
@@ -110,8 +112,8 @@ fn predicted(
     Ok((pairs.map(|(o, r)| Predicted::new(o, r)).collect(), score))
 }
 
-/// What the model leaves of each output, and the first one's noise; fitted to the first samples where these are
-/// given, else to all.
+/// Residual of each output and noise of the first one. The fit uses the first samples if `first` is given, else
+/// all.
 fn left(
     model: &Model,
     happened: &[Term],
@@ -132,7 +134,8 @@ fn left(
     let still = fit.fit(&start, &projector, 15);
     let rough = ringing(&mut fit, still, &projector);
     if first.is_some() {
-        // The noise is told, but weighs nothing: it is measured on what follows, too.
+        // The noise is reported but does not affect the weights: it is also measured on the samples that
+        // follow.
         let left = fit.explained(&rough.point, 0);
         measure_noise(&mut fit, &rough.point);
         return (left, fit.noise[0][0].deviation);
@@ -146,7 +149,7 @@ fn left(
 }
 
 impl Predicted {
-    /// Of an output, and what the model leaves of it.
+    /// Prediction of an output from its residual.
     fn new(output: Output, mut residual: Vec<f64>) -> Self {
         let Output {
             scale, mut values, ..
@@ -165,7 +168,7 @@ impl Predicted {
     }
 }
 
-/// [`predict`]'s score.
+/// The score of [`predict`].
 ///
 /// # Errors
 /// As [`predict`].
@@ -173,8 +176,8 @@ pub fn score(model: &Model, recording: &Recording) -> Result<Score, DiagnosisErr
     Ok(predict(model, recording.clone())?.1)
 }
 
-/// As [`score`], but in one piece whatever drives the model, as what a force does wrong adds up; and with what happened
-/// in a set of recordings, of which this is the one of an index.
+/// As [`score`], but in one piece even if a force drives the model freely, and with events of a set of
+/// recordings; `index` is that of this recording in the set.
 ///
 /// # Errors
 /// As [`predict`].
@@ -188,7 +191,7 @@ pub(super) fn score_in_one_piece(
     Ok(predicted(model, happened, recording, Replay::InOnePiece)?.1)
 }
 
-/// Of the first output's residual, without the rows that were fitted where only the first were.
+/// Score of the first output's residual; rows that were fitted are left out if only the first were.
 fn score_of(
     experiment: &Experiment,
     residual: &[f64],

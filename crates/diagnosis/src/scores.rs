@@ -1,15 +1,15 @@
-//! The scores of the model before and after, a recording each.
+//! Scores of the model before and after, for each recording.
 
 use super::document::{Fit, Quality, Score, Scored};
 use super::score::score;
 use quell_model::Model;
 use quell_recording::Recording;
 
-/// Recordings that were fitted, and those that were held out as a whole.
+/// Recordings that were fitted, and recordings that were held out as a whole.
 pub type Recordings<'a> = (&'a [Recording], &'a [Recording]);
 
-/// What [`score`] says of the refitted model, and of that with the findings where there are any. A recording that it
-/// refuses, as one in which the model runs away, has none.
+/// [`score`] of the refitted model and, if there are findings, of the model with them. A recording for which it
+/// fails, for example because the model diverges, is left out.
 pub fn scores(
     refitted: &Model,
     with_findings: Option<&Model>,
@@ -33,7 +33,8 @@ pub fn scores(
     all.filter_map(scored).collect()
 }
 
-/// Takes the misfits of whole recordings from their scores, so that they are one number wherever they are told.
+/// Replaces the misfits of whole recordings by those of their scores, so that each is the same number
+/// everywhere.
 pub fn take_over(fit: &mut Fit) {
     let of = |of: fn(&Scored) -> &Score| {
         let rms = |held_out| pooled(fit.scores.iter().filter(|s| s.held_out == held_out).map(of));

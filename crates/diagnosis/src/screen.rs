@@ -1,11 +1,11 @@
-//! Screening: one simulation for each candidate and size, projected onto what the model cannot do.
+//! Screening: one simulation for each candidate and size, projected onto what the model itself cannot produce.
 //!
-//! With `r` the residual of the refitted model and `d` its change by the effect, only the part `d_perp`
-//! matters that no change of the model's own parameters makes. The effect at this size lowers the cost
-//! by `-2 d_perp . r - |d_perp|^2`; at another size, were it linear, by `(d_perp . r)^2 / |d_perp|^2`,
-//! of which a part is believed. An effect of which the model's own parameters make most (a branch that
-//! stiffens a spring shifts its frequency first) is looked at a second time, these parameters moved
-//! against it: what is left of a large shift in second order would else hide it.
+//! Let `r` be the residual of the refitted model and `d` its change by the effect. Only the part `d_perp`
+//! counts that no change of the model's own parameters produces. At this size the effect lowers the cost by `-2
+//! d_perp . r - |d_perp|^2`. At another size a linear effect would lower it by `(d_perp . r)^2 / |d_perp|^2`,
+//! of which a part is believed. If the model's own parameters produce most of `d` (a spring that stiffens first
+//! shifts the frequency), the effect is simulated a second time with these parameters moved against it. The
+//! second-order rest of a large shift would otherwise hide it.
 
 use super::curves::{ordinates, root, size};
 use super::fit::Linearised;
@@ -20,32 +20,32 @@ use quell_model::effects::{Effect, LEARNED, Law, Place, Scales, Slot};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Share of the gain at another size that is believed: effects are not linear in their size.
+/// Share of the gain at another size that is believed, since effects are not linear in their size.
 const BELIEVED: f64 = 0.3;
 
-/// Square of the part of a change that the model can make over that of the rest, from which the rest may
-/// be the second order of the former: a shift of a frequency by a tenth leaves about a tenth of itself.
+/// Ratio of the squares of a change's own part and of the rest from which the rest may be the second order of
+/// the own part: a frequency shift of a tenth leaves about a tenth of itself.
 const MOSTLY_OWN: f64 = 10.0;
 /// Step of the derivative by an ordinate of a learned law, in typical sizes.
 const FINE: f64 = 1e-2;
-/// Deviation of the curve that a learned law may have to first order, in typical sizes.
+/// Greatest standard deviation of a learned law's curve in first order, in typical sizes.
 const CURVE: f64 = 3.0;
-/// Share of the mismatch that is promise enough.
+/// Share of the mismatch from which a gain is promising.
 const HOPEFUL: f64 = 0.5;
 
 /// An effect with values to start from.
 #[derive(Clone)]
 pub struct Start {
-    /// Which, where and how large.
+    /// The effect, its place and its values.
     pub term: Term,
-    /// By how much the cost should fall.
+    /// Expected fall of the cost.
     pub score: f64,
-    /// Times this size the cost would be least, were the effect linear in it.
+    /// Factor on the size at which the cost would be least if the effect were linear in it.
     factor: f64,
 }
 
-/// All effects of a table that the model can lack, at their places: those that are one law at two places, as both are
-/// where the same bodies meet, once.
+/// All effects of a table that the model can lack, at their places. Two effects that are the same law, since
+/// the places are between the same bodies, count once.
 pub fn candidates(problem: &Problem, table: Table) -> Vec<EffectAt> {
     let experiment = &problem.experiments[0];
     let (places, linear) = problem.places();
@@ -65,7 +65,7 @@ pub fn candidates(problem: &Problem, table: Table) -> Vec<EffectAt> {
     found
 }
 
-/// Whether two effects are the same force, once they act between the same bodies.
+/// Whether two effects are the same force if they act between the same bodies.
 fn is_one_force(one: &Effect, other: &Effect) -> bool {
     let force = matches!((one.law)(&one.neutral()), Law::Force(_) | Law::Friction(_));
     let over_position = |own: &Effect| {
@@ -93,21 +93,21 @@ impl Table {
     }
 }
 
-/// What the candidates of a screen are held against.
+/// The data against which the candidates are screened.
 struct Screen<'a> {
     problem: &'a Problem<'a>,
     point: &'a Point,
     linear: &'a Linearised,
     projector: &'a Projector,
-    /// Basis of all directions that the model itself has.
+    /// Basis of all directions of the model's own unknowns.
     basis: DMatrix<f64>,
     /// Residual of the refitted model, all experiments.
     residual: DVector<f64>,
-    /// Least-squares step of the model's own unknowns for rows.
+    /// Maps rows to the least-squares step of the model's own unknowns.
     steps: DMatrix<f64>,
 }
 
-/// Scores every candidate at every size of its grid; best first, at most `each` sizes a candidate.
+/// Scores every candidate at every size of its grid, the best first, with at most `each` sizes for a candidate.
 pub fn screen(
     problem: &Problem,
     point: &Point,
@@ -149,7 +149,7 @@ pub fn screen(
 }
 
 impl Screen<'_> {
-    /// An effect at its place with the values of its grid; what happens, in each recording.
+    /// An effect at its place with the values of its grid. An event has a grid for each recording.
     fn starts(&self, effect: &'static Effect, place: Place) -> Vec<Term> {
         let problem = self.problem;
         let of = |scales: &Scales, recording: Option<usize>| -> Vec<Term> {
@@ -180,7 +180,7 @@ impl Screen<'_> {
         let mut starts: Vec<Start> = grid.into_iter().map(start).collect();
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
         starts.truncate(each);
-        // Where the size is a limit, the factor is no better than any other, and what scores less is not taken.
+        // At a bound of the size the factor is arbitrary. A resized start is used only if its score is better.
         let size = effect.size();
         let (low, high) = (effect.parameters[size].bounds)(&self.problem.scales);
         for own in starts.iter_mut().filter(|own| own.factor != 1.0) {
@@ -195,7 +195,7 @@ impl Screen<'_> {
         starts
     }
 
-    /// A learned law at the curve that is likeliest to first order, for each range of its knots.
+    /// A learned law with its likeliest curve in first order, for each range of its knots.
     fn curves(&self, effect: &'static Effect, place: Place) -> Vec<Start> {
         let starts = self.starts(effect, place).into_iter();
         starts
@@ -226,7 +226,7 @@ impl Screen<'_> {
         let slopes = DMatrix::from_columns(&columns) * &root;
         let count = ordinates.len();
         let gradient = slopes.tr_mul(&self.residual);
-        // What is left is no better known than by its own size.
+        // The residual is known no better than its own size allows.
         let unit = (self.residual.norm_squared() / self.residual.len() as f64).max(1.0);
         let normal = slopes.tr_mul(&slopes) + DMatrix::identity(count, count) * unit;
         let white = -Cholesky::new(normal)?.solve(&gradient);
@@ -244,7 +244,7 @@ impl Screen<'_> {
         })
     }
 
-    /// What a candidate promises, and the factor of its size.
+    /// Expected gain of a candidate, and the factor of its size.
     fn score(&self, moved: &Point) -> (f64, f64) {
         let last = moved.terms.len() - 1;
         let change = self.change(|e| {
@@ -280,7 +280,7 @@ impl Screen<'_> {
         stacked(&rows) - &self.residual
     }
 
-    /// What a change promises.
+    /// Expected gain of a change.
     fn promise(&self, mut change: DVector<f64>) -> Promise {
         change -= &self.basis * self.basis.tr_mul(&change);
         let (product, square) = (change.dot(&self.residual), change.norm_squared());
@@ -294,13 +294,13 @@ impl Screen<'_> {
     }
 }
 
-/// What the part of a change promises that the model cannot make.
+/// Expected gain of the part of a change that the model itself cannot produce.
 struct Promise {
-    /// By how much the cost should fall.
+    /// Expected fall of the cost.
     gain: f64,
-    /// Its square.
+    /// Squared length of that part.
     square: f64,
-    /// Times the change the cost would be least.
+    /// Factor on the change at which the cost would be least.
     factor: f64,
 }
 
@@ -309,19 +309,19 @@ fn stacked(rows: &[DVector<f64>]) -> DVector<f64> {
     DVector::from_iterator(rows.iter().map(|part| part.len()).sum(), all)
 }
 
-/// Whether an effect and one that is there are one law together, as one is a limit of the other at the same place.
+/// Whether an effect and one of the point are one law: one is a limit of the other at the same place.
 fn is_one_law_with(point: &Point, (effect, place): EffectAt) -> bool {
     let one = |own: &Effect| own.contains(effect) || effect.contains(own);
     let mut terms = point.terms[point.given_terms..].iter();
     terms.any(|term| term.place == place && one(term.effect))
 }
 
-/// Whether an effect is a further mode, of which the chain has so many at most.
+/// Whether an effect is a further mode; the chain has a limited number of these.
 fn is_mode(effect: &Effect, values: &[f64]) -> bool {
     matches!((effect.law)(values), Law::Resonance(_))
 }
 
-/// The pseudo-inverse of the directions, by their normal equations.
+/// The pseudo-inverse of the directions from their normal equations.
 fn steps(directions: &DMatrix<f64>) -> DMatrix<f64> {
     let norms: Vec<f64> = directions.column_iter().map(|c| c.norm()).collect();
     let scale = |k: usize| if norms[k] > 0.0 { 1.0 / norms[k] } else { 1.0 };
@@ -330,7 +330,7 @@ fn steps(directions: &DMatrix<f64>) -> DMatrix<f64> {
         column *= scale(k);
     }
     let product = scaled.tr_mul(&scaled);
-    // Directions that depend on others share a step.
+    // Linearly dependent directions share a step.
     let inverse = product.pseudo_inverse(1e-9).unwrap_or_default();
     let mut steps = match inverse.is_empty() {
         true => DMatrix::zeros(directions.ncols(), directions.nrows()),
@@ -344,8 +344,8 @@ fn steps(directions: &DMatrix<f64>) -> DMatrix<f64> {
 
 /// Angular frequencies at which a residual has its three highest peaks, the highest first.
 ///
-/// A mode that hardly decays is a line whose width is that of the recording: the steps are a quarter of
-/// `1 / T`, so that a start lies within the one minimum of the fit that leads to it.
+/// The line of a mode that hardly decays is as wide as the recording's resolution. The frequency step is a
+/// quarter of `1 / T`, so that a start lies in the basin of the right minimum.
 pub fn peaks(time: &[f64], residual: &[f64]) -> Vec<f64> {
     let n = residual.len().min(MOST_SAMPLES);
     if n < 16 {
@@ -358,7 +358,7 @@ pub fn peaks(time: &[f64], residual: &[f64]) -> Vec<f64> {
         let mut phase = Complex::new(1.0, 0.0);
         let mut sum = Complex::new(0.0, 0.0);
         for (i, value) in residual[..n].iter().enumerate() {
-            // Against the ends of the record, whose jump would be a peak at every frequency.
+            // A window against the ends of the record, whose jump would add power at every frequency.
             let window = 1.0 - (TAU * i as f64 / n as f64).cos();
             sum += phase * (window * (value - mean));
             phase *= turn;
@@ -377,14 +377,14 @@ pub fn peaks(time: &[f64], residual: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Samples in which peaks are looked for: their number grows with its square.
+/// Most samples in which peaks are searched: the cost grows with the square of their number.
 const MOST_SAMPLES: usize = 4096;
 
-/// Change of all rows together, squared, in units of the noise, below which a size is not seen: what a
-/// force does to a motor side that is prescribed is rounding, which may point anywhere.
+/// Squared change of all rows together, in units of the noise, below which a size has no visible effect. For
+/// example, the response of a prescribed motor side to a force is rounding only, of arbitrary direction.
 const UNSEEN: f64 = 1e-4;
 
-/// What a change with this product and square promises.
+/// Expected gain of a change with this product and square.
 fn gain(product: f64, square: f64) -> f64 {
     if !(square.is_finite() && product.is_finite()) || square <= UNSEEN {
         return f64::NEG_INFINITY;

@@ -1,5 +1,5 @@
-//! The search for what is missing: a beam of structures, each extended, thinned out and changed as long as the
-//! evidence rises.
+//! The search for missing effects: a beam of structures. Each is extended, thinned out and changed as long as
+//! the evidence rises.
 
 use super::candidate::Known;
 use super::explanation::Explanation;
@@ -13,33 +13,33 @@ use super::thresholds::{BEAM, LONG, MOST_EFFECTS};
 use rayon::prelude::*;
 use std::sync::atomic::Ordering::Relaxed;
 
-/// Steps simulated after which the search for further effects ends with the best so far: what a core simulates in some
-/// thirty seconds.
+/// Number of simulated steps after which the search ends with the best explanation so far: some thirty seconds
+/// on one core.
 const ENOUGH: u64 = 60_000_000;
 
-/// Everything that the search needs.
+/// Inputs of the search.
 pub struct Search<'a> {
     /// The problem.
     pub problem: &'a Problem<'a>,
-    /// Projects its nuisances out.
+    /// Projects its linear nuisances out.
     pub projector: &'a Projector,
     /// Judges its fits.
     pub judge: &'a Judge<'a>,
-    /// Explanations that were looked at elsewhere.
+    /// Explanations from another look at the same recordings.
     pub known: &'a Known,
-    /// Told how far the work is, 0 to 1, and what is being done.
+    /// Callback for progress: the finished share, 0 to 1, and the present step.
     pub progress: &'a (dyn Fn(f64, &str) + Sync),
 }
 
 impl Search<'_> {
-    /// A structure, fitted from a point on and judged.
+    /// A structure, fitted from a point and judged.
     pub fn refitted(&self, point: &Point) -> Explanation {
         let fitted = self.problem.fit(point, self.projector, LONG);
         self.judge.judge(self.problem, self.projector, fitted)
     }
 
-    /// Extends the best structures of each size until nothing raises the evidence: by laws of the catalogue first, which
-    /// learned laws would outrun before they are complete.
+    /// Extends the best structures of each size until nothing raises the evidence. Laws of the catalogue come
+    /// first: before their structures are complete, learned laws would outrank them.
     pub fn run(&self, pool: &mut Pool) {
         loop {
             while self.grow(pool) {}
@@ -51,13 +51,13 @@ impl Search<'_> {
         }
     }
 
-    /// Whether the search has gone on long enough.
+    /// Whether the search is to end.
     pub fn is_over(&self) -> bool {
         let stopped = self.known.enough.now() || self.problem.stop.now();
         stopped || self.problem.simulated.load(Relaxed) > ENOUGH
     }
 
-    /// Extends the next structure of a pool by laws of the catalogue, if there is one.
+    /// Extends the next structure of a pool by laws of the catalogue; returns whether there was one.
     pub fn grow(&self, pool: &mut Pool) -> bool {
         if pool.is_extended(pool.baseline(), Table::Named) && self.is_over() {
             return false;
@@ -84,9 +84,9 @@ impl Search<'_> {
         pool.mark(own, table);
     }
 
-    /// Looks for a learned law beside those of the best explanation, where that leaves more than noise, and for one in
-    /// the place of several laws of the catalogue, which may be parts of one curve. Whether there is a better
-    /// explanation.
+    /// Searches a learned law beside those of the best explanation, if that leaves more than noise. Also
+    /// searches one in place of several laws of the catalogue, which may be parts of one curve. Returns whether
+    /// there is a better explanation.
     fn learn(&self, pool: &mut Pool) -> bool {
         let before = pool.best(self.judge).clone();
         let baseline = pool.baseline().clone();
@@ -103,15 +103,15 @@ impl Search<'_> {
         !pool.best(self.judge).is_like(&before)
     }
 
-    /// The next structure to extend: of those of named laws alone, which a learned law would outrun before they are
-    /// complete, or, where it is the best of all, one that has a learned law.
+    /// The next structure to extend. Structures of named laws come first: before they are complete, learned
+    /// laws would outrank them. A structure with a learned law follows only if it is the best of all.
     fn next(&self, pool: &Pool) -> Option<Explanation> {
         let ranked = pool.ranked(pool.temperature(self.judge));
         let (learned, named): (Vec<_>, Vec<_>) = ranked.iter().partition(|own| own.0.is_learned());
         let best = ranked[0].0;
-        // Nothing masks an effect where only noise is left.
+        // If only noise is left, nothing masks a further effect.
         let beam = if self.leaves_noise(best) { 1 } else { BEAM };
-        // Where no effect is worth it alone, two together may be.
+        // If no single effect is worth it, two together may be.
         let ahead = usize::from(beam > 1 && best.terms() == 0);
         let next = match best.is_learned() && beam == 1 {
             true => None,
@@ -146,8 +146,9 @@ impl Search<'_> {
         }
     }
 
-    /// Chooses each effect of the best explanation anew beside the others, and two laws of the catalogue in the place of
-    /// a learned one, which may stand for both where they move together. Whether there is a better one.
+    /// Chooses each effect of the best explanation again beside the others. If it has a learned law, named laws
+    /// in its place are tried, too: the learned law may stand for two laws that move together. Returns whether
+    /// there is a better explanation.
     fn exchange(&self, pool: &mut Pool) -> bool {
         let best = pool.best(self.judge).clone();
         let point = &best.fitted.point;
@@ -173,8 +174,9 @@ impl Search<'_> {
     }
 }
 
-/// The best structure of a beam of each number of effects that was not extended, as long as the best of so many is not
-/// worse than one with less, or there are no more than those to look ahead from.
+/// The first structure, from few effects to many, that is in the beam of its number of effects and not extended
+/// yet. The search goes on to more effects only while their best is not worse than with fewer; `ahead` effects
+/// are always allowed.
 fn open(
     pool: &Pool,
     ranked: &[(&Explanation, f64)],

@@ -1,4 +1,4 @@
-//! The search, by the noise that the best explanation leaves: what is not smooth in a mismatch passes for noise
+//! The search with the noise that the best explanation leaves: the rough part of a mismatch is taken for noise
 //! until the mismatch is explained.
 
 use super::candidate::Known;
@@ -13,10 +13,10 @@ use super::search::Search;
 use super::thresholds::LONG;
 use super::weights::measured_again;
 
-/// Times that the noise is measured again: with one effect in the model, and with all.
+/// Most times that the noise is measured again: with one effect in the model, and with all.
 const AGAIN: usize = 3;
 
-/// Explanations of what a refitted model lacks, beside those that are known.
+/// Explanations of the mismatch of a refitted model, beside those that are known.
 pub fn settled(
     problem: &mut Problem,
     projector: &mut Projector,
@@ -24,7 +24,8 @@ pub fn settled(
     mut pool: Pool,
     told: (&Known, Progress),
 ) -> Pool {
-    // By single laws of the catalogue first: what these leave tells the noise, and whether there is more to look for.
+    // Single laws of the catalogue come first. Their residual shows the noise, and whether there is more to
+    // search for.
     let baseline = pool.baseline().clone();
     if !pool.is_extended(&baseline, Table::Named) {
         search(problem, projector, judge, told).extend_by(&mut pool, &baseline, Table::Named);
@@ -41,7 +42,7 @@ pub fn settled(
     pool
 }
 
-/// The explanations, fitted again where the best one tells another noise.
+/// The explanations, fitted again if the residual of the best one shows another noise.
 fn with_noise_of_best(
     problem: &mut Problem,
     projector: &mut Projector,
@@ -72,7 +73,7 @@ impl Search<'_> {
     }
 }
 
-/// A search by the noise as it is known.
+/// A search with the present noise.
 pub fn search<'a>(
     problem: &'a Problem<'a>,
     projector: &'a Projector,

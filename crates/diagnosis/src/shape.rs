@@ -1,9 +1,9 @@
 //! The uncertain shape of named laws.
 //!
-//! No law of a catalogue has the shape of nature: friction is regular, contacts are compliant, a ripple has
-//! harmonics. So a static law is taken to be right but for a smooth curve over its slot, unknown beforehand, whose
-//! effect is expected to be a tenth of the law's. It is marginalised like a nuisance: what such a curve explains is
-//! no evidence for a further effect.
+//! No law of a catalogue has exactly the shape of reality: real friction is more regular, contacts are
+//! compliant, a ripple has harmonics. So a static law is taken to be right up to a smooth, unknown curve over
+//! its slot, with an expected effect of a tenth of the law's. The curve is marginalised like a nuisance: what
+//! it explains is no evidence for a further effect.
 //!
 //! Source: Kennedy and O'Hagan, J. Royal Statistical Society B 63 (2001), on the discrepancy of a model; Rasmussen
 //! and Williams, Gaussian Processes for Machine Learning (2006), chapter 4, for the prior of the curve.
@@ -16,21 +16,21 @@ use nalgebra::{DMatrix, DVector};
 use quell_model::Term;
 use quell_model::effects::{Effect, LEARNED};
 
-/// Amplitude of the correction over that of the law.
+/// Ratio of the correction's amplitude to the law's.
 const TENTH: f64 = 0.1;
-/// Share of an ordinate's typical size by which it is moved for a derivative.
+/// Step of a derivative by an ordinate, as a share of its typical size.
 const STEP: f64 = 1e-2;
 
 /// The corrections of the laws of a point.
 pub struct Corrections {
     each: Vec<Correction>,
-    /// Derivatives by all of them, in units of their prior deviations.
+    /// Derivatives by all of them, in units of their prior standard deviations.
     pub columns: Vec<Both>,
 }
 
 /// The correction of one law.
 struct Correction {
-    /// The learned law of its slot, neutral.
+    /// The learned law of its slot, at its neutral values.
     neutral: Term,
     ordinates: Vec<usize>,
     /// Root of the prior covariance of the ordinates.
@@ -38,7 +38,7 @@ struct Correction {
 }
 
 impl Corrections {
-    /// Of all static laws of a point that shows as `here`.
+    /// Corrections of all static laws of a point; `here` are the rows at the point.
     pub fn new(problem: &Problem, views: &Views, point: &Point, here: &Both) -> Self {
         let mut all = Self {
             each: Vec::new(),
@@ -70,7 +70,7 @@ impl Corrections {
         all
     }
 
-    /// The point with the corrections at so many of their prior deviations.
+    /// The point with corrections of these sizes, in prior standard deviations.
     pub fn applied(&self, point: &Point, sizes: &DVector<f64>) -> Point {
         let mut corrected = point.clone();
         let mut first = 0;
@@ -89,7 +89,7 @@ impl Corrections {
 }
 
 impl Correction {
-    /// Derivatives, mixed as the prior correlates the ordinates.
+    /// Derivatives by the ordinates, mixed according to their prior correlation.
     fn columns(&self, problem: &Problem, views: &Views, point: &Point, here: &Both) -> Vec<Both> {
         let neutral = &self.neutral;
         let slope = |&index: &usize| {
@@ -105,7 +105,7 @@ impl Correction {
     }
 }
 
-/// The learned law of the slot of a named one, where it can sit at the same place.
+/// The learned law of a named law's slot, if it can be at the same place.
 fn learned(term: &Term) -> Option<&'static Effect> {
     let slot = term.effect.slot().filter(|_| !term.effect.is_learned())?;
     let all = LEARNED.iter().copied();
@@ -113,7 +113,7 @@ fn learned(term: &Term) -> Option<&'static Effect> {
         .find(|other| other.slot() == Some(slot))
 }
 
-/// What a law does to the rows over what is expected of a curve.
+/// Size of a law's effect on the rows, relative to the expected effect of a curve of standard deviation 1.
 fn share(views: &Views, point: &Point, here: &Both, (term, columns): (usize, &[Both])) -> f64 {
     let mut without = point.clone();
     let own = &mut without.terms[term];

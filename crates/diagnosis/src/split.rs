@@ -1,9 +1,9 @@
-//! What is fitted and what is kept apart.
+//! Fitted and held-out rows.
 
 use super::problem::Rows;
 use quell_model::{Experiment, Output};
 
-/// Rows of an experiment that are fitted, and rows that are held out, an output each.
+/// Fitted and held-out rows of an experiment, for each output.
 pub struct Split {
     /// Fitted.
     pub train: Vec<Rows>,
@@ -11,7 +11,7 @@ pub struct Split {
     pub held_out: Vec<Rows>,
 }
 
-/// What was held out.
+/// The kind of held-out data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeldOut {
     /// Stretches of every recording.
@@ -21,7 +21,7 @@ pub enum HeldOut {
 }
 
 impl HeldOut {
-    /// As a sentence names it.
+    /// Its name in a sentence.
     pub fn words(self) -> &'static str {
         match self {
             Self::Stretches => "stretches that were held out",
@@ -42,10 +42,11 @@ pub fn first(experiment: &Experiment, rows: usize) -> Vec<Rows> {
     experiment.outputs.iter().map(first).collect()
 }
 
-/// Fewest stretches, so that each third of them shows all of a motion.
+/// Fewest stretches, so that each third of them covers the whole motion.
 const FEWEST: usize = 6;
 
-/// Every third stretch of this length is held out, s: each part of a recording is in both, whatever happens once in it.
+/// Holds out every third stretch of this length, s. All parts of a recording are then in both, also an event
+/// that happens once.
 pub fn interleaved(experiment: &Experiment, stretch: f64) -> Split {
     let (first, last) = experiment.span();
     let count = (((last - first) / stretch).floor() as usize).max(FEWEST);

@@ -1,4 +1,4 @@
-//! How a recording starts, as far as no sensor says it.
+//! Unknowns of a recording's start that no sensor measures.
 
 use super::fit::Fitted;
 use super::problem::Problem;
@@ -11,24 +11,24 @@ use quell_model::chain::{MotorSide, RESONANCES};
 use quell_model::effects::Scales;
 use quell_model::{Departure, Experiment, Model, StartComponent};
 
-/// A free motor side has a velocity at the start that no sensor has measured.
+/// Components of the start that are free: a free motor side, for example, has an unmeasured velocity.
 pub fn departures(model: &Model, experiments: &[Experiment]) -> Vec<StartComponent> {
     let linear = (model.kind.linear)(&model.keys(), experiments[0].input);
     match (linear.motor, linear.link) {
-        // Where a whole motion starts is the offset of its sensor.
+        // In one piece the start's position is covered by the offset of its sensor.
         (MotorSide::Free { .. }, None) if experiments[0].windows.is_empty() => vec![MotorVelocity],
         (MotorSide::Free { .. }, None) => vec![MotorPosition, MotorVelocity],
         (MotorSide::Free { .. }, Some(_)) => {
             vec![MotorPosition, MotorVelocity, Deformation, DeformationRate]
         }
-        // A link that is held in a motion starts as it does.
+        // A link whose motion is prescribed starts with that motion.
         (MotorSide::Fixed, _) if linear.link_is_input => Vec::new(),
         (MotorSide::Fixed, _) => vec![Deformation, DeformationRate],
         (MotorSide::Prescribed, _) => Vec::new(),
     }
 }
 
-/// Typical sizes of what is not known of a start.
+/// Typical sizes of the unknown components of a start.
 pub fn departure_scale(scales: &Scales) -> Departure {
     let mut typical = Departure::default();
     typical[MotorPosition] = 0.01 * scales.travel().max(scales.deformation);
@@ -42,10 +42,9 @@ pub fn departure_scale(scales: &Scales) -> Departure {
     typical
 }
 
-/// The arm may already ring when the recording starts: two more unknowns an experiment, where they earn
-/// their price.
+/// Adds a start that already rings, two more unknowns for each experiment, if these are worth their cost.
 pub fn ringing(problem: &mut Problem, still: Fitted, projector: &Projector) -> Fitted {
-    // A link that is held in a motion rings no further than that.
+    // A link whose motion is prescribed does not ring beyond it.
     let input = problem.experiments[0].input;
     let held = (problem.kind.linear)(&still.point.keys, input).link_is_input;
     if !problem.departures.is_empty() || held {

@@ -1,25 +1,25 @@
-//! Ending a diagnosis before its time.
+//! Early end of a diagnosis.
 
 use super::error::DiagnosisError;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Says whether a diagnosis shall end before its time; cheap to clone.
+/// A request to end a diagnosis early; cheap to clone.
 ///
-/// It is asked before each simulation. Once the answer is yes nothing is simulated any more: a simulation
-/// that was left out is taken for one that ran away, so that every fit turns back at once, and what comes
-/// of the search is thrown away. So the answer stays yes, whatever is said later.
+/// It is asked before each simulation. After the first yes nothing is simulated any more: a skipped simulation
+/// looks like one that diverged, so that every fit turns back at once, and the result of the search is
+/// discarded. So the answer stays yes, whatever `ask` returns later.
 #[derive(Clone, Default)]
 pub struct Stop(Option<Arc<Asked>>);
 
 struct Asked {
     ask: Box<dyn Fn() -> bool + Send + Sync>,
-    /// Whether it ever said yes.
+    /// Whether it was ever yes.
     said: AtomicBool,
 }
 
 impl Stop {
-    /// As soon as `ask` says so; it is asked often, and on many threads.
+    /// Stops as soon as `ask` returns true. It is called often, and on many threads.
     pub fn when(ask: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         let said = AtomicBool::new(false);
         let ask = Box::new(ask);
@@ -48,7 +48,7 @@ impl Stop {
         }
     }
 
-    /// Whether the answer was ever yes, so that something may have been left out.
+    /// Whether the answer was ever yes, so that a simulation may have been skipped.
     pub(super) fn was_asked(&self) -> bool {
         let said = |asked: &Arc<Asked>| asked.said.load(Relaxed);
         self.0.as_ref().is_some_and(said)

@@ -1,25 +1,25 @@
-//! Recordings that are longer than a diagnosis needs: stretches of them, evenly spread.
+//! Recordings that are longer than a diagnosis needs, reduced to evenly spread stretches.
 
 use quell_recording::{Channel, Recording};
 use std::borrow::Cow;
 
-/// Samples of a channel that are looked at. An error of the model of `a` standard deviations of the noise
-/// lowers the criterion by `N a^2 / 2`, and 10 of it make an effect: `N` = 1e5 samples show `a` = 0.014.
-/// A mismatch is spoken of from 1.1 times the noise on, that is from `a` = 0.46, a thousand times as
-/// much in energy.
+/// Samples of a channel that are used. A model error of `a` standard deviations of the noise lowers the
+/// criterion by `N a^2 / 2`, and 10 of it are enough for an effect: `N` = 1e5 samples show `a` = 0.014. A
+/// mismatch is reported from 1.1 times the noise on, that is from `a` = 0.46, a thousand times as much in
+/// energy.
 const ENOUGH: usize = 100_000;
-/// Stretches that they are taken from: what changes slowly shows in their differences.
+/// Number of stretches; slow changes show in the differences between them.
 const STRETCHES: usize = 10;
-/// Share of a stretch's samples that a channel must have for the stretch to count.
+/// Share of a stretch's samples that a channel must have, so that the stretch counts.
 const PRESENT: f64 = 0.5;
 
-/// Recordings that are no longer than they need to be.
+/// Recordings of limited length.
 pub struct Stretches<'a> {
     /// Stretches, or whole recordings.
     pub recordings: Cow<'a, [Recording]>,
-    /// Index of the recording that each is a part of.
+    /// Index of the original recording of each.
     pub of: Vec<usize>,
-    /// What there is to say of it.
+    /// Remarks on the reduction.
     pub remarks: Vec<String>,
 }
 
@@ -56,7 +56,7 @@ pub fn is_whole(recording: &Recording) -> bool {
     longest(recording).is_none()
 }
 
-/// The channel of most samples, where these are more than are needed.
+/// The channel with the most samples, if these are more than needed.
 fn longest(recording: &Recording) -> Option<&Channel> {
     let channels = recording.channels.iter();
     let most = channels.max_by_key(|channel| channel.time.len());

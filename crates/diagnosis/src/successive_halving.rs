@@ -1,4 +1,4 @@
-//! Successive halving of candidates: each is fitted as far as it may still win.
+//! Successive halving of candidates: each is fitted only as long as it may still win.
 //!
 //! Source: Jamieson and Talwalkar, AISTATS 2016, for the halving of starts.
 
@@ -11,27 +11,26 @@ use super::search::Search;
 use super::thresholds::{LONG, LOST, SECOND, SHORT};
 use rayon::prelude::*;
 
-/// Share of what the winner explains that another must have explained by then to be carried on: it is nearer to
-/// the winner than to none.
+/// Share of the winner's fall of the cost that another candidate must have reached to be fitted further.
 const NEARER: f64 = 0.5;
 
-/// Candidates that are carried to their ends.
+/// Candidates that are fitted to convergence.
 const HALF: usize = 5;
 
-/// Candidates on top of an explanation, and how far each is fitted.
+/// Candidates on top of an explanation, with the state of their fits.
 pub(super) struct Halving<'a> {
     search: &'a Search<'a>,
     from: &'a Explanation,
-    /// What is known there.
+    /// Linearisation at that explanation.
     linear: Option<&'a Linearised>,
     entrants: Vec<Entrant<'a>>,
     leader: Option<Explanation>,
 }
 
-/// A candidate.
+/// A candidate with its fits.
 struct Entrant<'a> {
     effect: EffectAt,
-    /// Fits from its starts on, the best first.
+    /// Fits from its starts, the best first.
     starts: Vec<Descent<'a>>,
 }
 
@@ -42,7 +41,7 @@ impl Entrant<'_> {
 }
 
 impl<'a> Halving<'a> {
-    /// Without entrants.
+    /// A halving without entrants.
     pub fn new(
         search: &'a Search<'a>,
         from: &'a Explanation,
@@ -57,7 +56,7 @@ impl<'a> Halving<'a> {
         }
     }
 
-    /// Lets candidates make their first step.
+    /// Adds candidates; each makes its first step.
     pub fn enter(&mut self, candidates: Vec<Candidate>) {
         let entrants = candidates.into_par_iter().map(|own| self.started(own));
         for mut next in entrants.collect::<Vec<_>>() {
@@ -94,8 +93,8 @@ impl<'a> Halving<'a> {
         }
     }
 
-    /// Carries the one that is ahead to its end, or to where it cannot reach a rival any more, before the others. None whose misfit has many minima: its
-    /// starts may not all be there yet.
+    /// Fits the leading candidate first, to convergence or until it cannot reach `rival` any more. Effects with
+    /// many minima are excluded: some of their starts may follow later.
     pub fn lead(&mut self, rival: f64) {
         let plain = |index: &usize| !self.entrants[*index].effect.0.has_many_minima();
         let cost = |index: &usize| self.entrants[*index].cost();
@@ -107,7 +106,7 @@ impl<'a> Halving<'a> {
         }
     }
 
-    /// Whether the one that went ahead leaves nothing but noise.
+    /// Whether the leader leaves nothing but noise.
     pub fn is_won(&self) -> bool {
         self.winner().is_some()
     }
@@ -117,7 +116,7 @@ impl<'a> Halving<'a> {
         self.entrants.iter().any(|entrant| entrant.effect == effect)
     }
 
-    /// Carries all to their ends, or to where they cannot win any more; judged.
+    /// Fits all candidates to convergence, or until they cannot win any more, and judges them.
     pub fn finish(mut self) -> Vec<Explanation> {
         let mut entrants = std::mem::take(&mut self.entrants);
         let winner = self.winner().unwrap_or(f64::INFINITY);
@@ -130,7 +129,7 @@ impl<'a> Halving<'a> {
         entrants.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         let behind = entrants.split_off(HALF.min(entrants.len()));
         let mut chosen = chosen_of(entrants, winner);
-        // Of those behind, one must come before the last of these.
+        // A candidate behind must beat the last of these.
         let last = chosen.iter().map(Descent::cost);
         let last = last.fold(f64::NEG_INFINITY, f64::max);
         let rival = if chosen.len() < HALF {
@@ -153,7 +152,7 @@ impl<'a> Halving<'a> {
         trials
     }
 
-    /// Cost of the one that went ahead where it leaves nothing but noise.
+    /// Cost of the leader if it leaves nothing but noise.
     fn winner(&self) -> Option<f64> {
         let leader = self.leader.as_ref()?;
         self.search
@@ -161,7 +160,7 @@ impl<'a> Halving<'a> {
             .then_some(leader.fitted.cost)
     }
 
-    /// The best of a candidate's starts, on its way to a rival.
+    /// The best of a candidate's starts, fitted towards `rival`.
     fn chosen(&self, mut entrant: Entrant<'a>, rival: f64) -> Option<Descent<'a>> {
         let mut ahead = rival;
         for descent in entrant.starts.iter_mut().take(SECOND) {
@@ -173,7 +172,7 @@ impl<'a> Halving<'a> {
         (best.cost() <= self.from.fitted.cost).then_some(best)
     }
 
-    /// A fit carried to its end, or to where the one ahead cannot be reached any more; judged.
+    /// A fit carried to convergence, or until it cannot reach the one ahead any more; judged.
     fn carried(&self, mut descent: Descent<'a>, ahead: f64) -> Explanation {
         let explained = |cost: f64| self.from.fitted.cost - cost;
         let near = |winner| explained(descent.cost()) > NEARER * explained(winner);

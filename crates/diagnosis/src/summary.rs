@@ -8,7 +8,7 @@ use super::tracker_scale::TrackerScale;
 use quell_model::effects::Catalogue;
 use quell_recording::Preferred;
 
-/// One sentence, as an engineer would write it; residuals are told in the unit that is `shown`.
+/// The verdict in one sentence; residuals are in the unit `shown`.
 pub fn summary(
     diagnosis: &Diagnosis,
     shown: Preferred,
@@ -58,7 +58,7 @@ pub fn summary(
             "The model lacks something like {}, but that is not all: {change}.",
             names()
         ),
-        // Whoever finds that says it.
+        // The sentence was written where this was found.
         Verdict::NotExcited => diagnosis.summary.clone(),
         Verdict::Unexplained => format!(
             "Something is missing that the catalogue does not explain{}: the residual is {} {} rms, {} times \
@@ -72,7 +72,7 @@ pub fn summary(
     }
 }
 
-/// A number without its decimals, in digits that can be read whatever its size.
+/// A number without decimals, readable at any size.
 pub fn whole(value: f64) -> String {
     match value.abs() < 1e6 {
         true => format!("{value:.0}"),
@@ -80,7 +80,7 @@ pub fn whole(value: f64) -> String {
     }
 }
 
-/// A ratio, in digits that can be read whatever its size.
+/// A ratio, readable at any size.
 pub fn times(ratio: f64) -> String {
     match ratio {
         ratio if ratio < 10.0 => format!("{ratio:.2}"),
@@ -94,7 +94,8 @@ pub fn times(ratio: f64) -> String {
     }
 }
 
-/// Several explanations: other effects in the place of a finding, or none in the place of one that is not needed.
+/// The sentence for several explanations: other effects in place of a finding, or a finding that may not be
+/// needed.
 fn ambiguous(diagnosis: &Diagnosis, catalogue: Catalogue, change: &str) -> String {
     let (perhaps, there): (Vec<&Finding>, Vec<_>) = diagnosis
         .findings

@@ -1,21 +1,21 @@
-//! Numbers that several steps of the search share, each with where it comes from.
+//! Numbers that several steps of the search share, each with its source.
 
-/// Price of two needless unknowns of how a recording starts: "very strong" evidence (Kass and Raftery, J. American
-/// Statistical Association 90 (1995)).
+/// Cost of two unknowns more for the start of a recording: "very strong" evidence (Kass and Raftery, J.
+/// American Statistical Association 90 (1995)).
 pub const STRONG: f64 = 10.0;
-/// Chi-squared per row up to which a residual is noise: its level is known within a tenth.
+/// Chi-squared per row up to which a residual is noise: the noise level is known within a tenth.
 pub const FLOOR: f64 = 1.21;
-/// Most steps of the fit that is carried through.
+/// Most steps of a fit to convergence.
 pub const LONG: usize = 100;
-/// Most terms in one explanation: what a search of minutes can tell apart.
+/// Most terms in one explanation: as many as a search of minutes can separate.
 pub const MOST_EFFECTS: usize = 6;
-/// Structures of as many effects that are extended: the first effect of two that mask each other may not be the best
-/// single one.
+/// Structures of each number of effects that are extended. If two effects mask each other, the first of them
+/// may not be the best single one.
 pub const BEAM: usize = 2;
-/// Cost over that of the start of a continuation, of the fit ahead, or of a simpler model, from which one has gone too
-/// far: twice the residual.
+/// Ratio of costs beyond which a fit is given up, relative to the start of a continuation, the fit ahead, or a
+/// simpler model: twice the residual.
 pub const LOST: f64 = 4.0;
-/// How many of a candidate's starts go on after a few steps.
+/// Number of a candidate's starts that continue after a few steps.
 pub const SECOND: usize = 2;
 /// Steps after which the best of these is chosen.
 pub const SHORT: usize = 6;

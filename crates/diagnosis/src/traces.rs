@@ -1,4 +1,4 @@
-//! What the report draws: series behind a diagnosis.
+//! Series of a diagnosis for a report.
 
 /// One output over one recording.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,15 +9,15 @@ pub struct OutputTrace {
     pub unit: String,
     /// Stamps, s.
     pub time: Vec<f64>,
-    /// What was measured; for a position of a flexible joint its deformation, which is what one can see.
+    /// Measured values; for a position of a flexible joint its deformation, which is the visible part.
     pub recorded: Vec<f64>,
-    /// What the refitted model says.
+    /// Values of the refitted model.
     pub before: Vec<f64>,
-    /// What the model with the findings says.
+    /// Values of the model with the findings.
     pub after: Vec<f64>,
     /// Standard deviation of the noise.
     pub noise_std: f64,
-    /// Which stretches were held out of the fit, s.
+    /// Stretches that were held out of the fit, s.
     pub held_out: Vec<[f64; 2]>,
 }
 
@@ -52,7 +52,7 @@ pub struct SpectrumTrace {
 /// All that the report draws.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Traces {
-    /// One an output and recording; the first is the most telling.
+    /// One for each output and recording; the first is the most important.
     pub outputs: Vec<OutputTrace>,
     /// Missing force over time: stamps, values, its standard deviation.
     pub missing_time: Vec<f64>,

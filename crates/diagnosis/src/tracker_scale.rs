@@ -1,37 +1,36 @@
 //! Whether a tracker's scale and the model's lever arm agree.
 //!
-//! A tracker that shows `(1 + g)` of every length shows the same angles about the joint; its error is
-//! seen in the radius of the tip's circle alone, and no motion tells it from a lever arm that is `(1 + g)`
-//! times as long.
+//! A tracker that scales every length by `1 + g` shows the same angles about the joint. Its error shows only in
+//! the radius of the tip's circle, and no motion separates it from a lever arm that is `1 + g` times as long.
 
 use super::document::{Diagnosis, Finding, FittedParameter, NextMove, Verdict};
 use super::search::Search;
 use quell_model::effects::{Effect, Place};
 use quell_model::{Experiment, Model};
 
-/// Standard deviations by which the radius must be off. The jackknife's has 19 degrees of freedom: Student's
-/// t exceeds 5 once in ten thousand recordings.
+/// Least error of the radius, in standard deviations. The jackknife's estimate has 19 degrees of freedom:
+/// Student's t exceeds 5 once in ten thousand recordings.
 const OFF: f64 = 5.0;
 /// 97.5 % of Student's t with these degrees of freedom.
 const HALF_WIDTH: f64 = 2.093;
 
-/// Key of the radius that the engineer believes.
+/// Key of the believed radius.
 const LEVER_ARM: &str = "lever_arm_m";
 
 /// A tracker whose scale does not agree with the lever arm.
 pub struct TrackerScale {
-    /// Which effect that is.
+    /// The sensor effect for it.
     effect: &'static Effect,
-    /// By how much the radius is larger, relative.
+    /// Relative error of the radius; positive if it is larger.
     error: f64,
-    /// 95 % confidence interval of that.
+    /// Its 95 % confidence interval.
     ci95: [f64; 2],
     /// Whether it could be the lever arm as well.
     is_in_doubt: bool,
     evidence: String,
 }
 
-/// Adds the finding, unless something else is wrong in the sensor, which may show in the radius too, or nothing
+/// Adds the finding. Not if another sensor effect was found, which may also change the radius, or if nothing
 /// explains the motion.
 pub fn tell(search: &Search, diagnosis: &mut Diagnosis) -> Option<TrackerScale> {
     let problem = search.problem;
@@ -54,7 +53,7 @@ pub fn tell(search: &Search, diagnosis: &mut Diagnosis) -> Option<TrackerScale> 
 }
 
 impl TrackerScale {
-    /// The verdict in a sentence, where the scale is all that is wrong.
+    /// The verdict in a sentence, if the scale is the only finding.
     pub fn sentence(&self) -> String {
         let percent = self.error * 100.0;
         let larger = if percent > 0.0 { "larger" } else { "smaller" };
@@ -65,7 +64,7 @@ impl TrackerScale {
         )
     }
 
-    /// What would tell scale and lever arm apart.
+    /// The measurement that separates scale and lever arm.
     pub fn next_move(&self) -> Option<NextMove> {
         self.is_in_doubt.then(|| NextMove {
             why: "No motion tells a tracker's scale from the lever arm. Measure a known length with the tracker, or \
@@ -77,7 +76,7 @@ impl TrackerScale {
         })
     }
 
-    /// The model with the radius that the tracker shows as its lever arm: the two predict the same.
+    /// The model with the tracker's radius as its lever arm: both predict the same.
     pub fn corrected(&self, mut model: Model) -> Model {
         let keys = model.kind.keys.iter().position(|key| key.name == LEVER_ARM);
         if let Some(value) = keys.map(|index| &mut model.values[index]) {
@@ -86,7 +85,7 @@ impl TrackerScale {
         model
     }
 
-    /// As it is told; what cannot be told from it is the lever arm itself, unless that is `fixed`.
+    /// The finding. Its alternative is the lever arm itself, unless that is `fixed`.
     fn finding(&self) -> Finding {
         Finding {
             effect: self.effect.name.into(),
@@ -129,7 +128,7 @@ impl TrackerScale {
         let (seen, std) = (sum / weight, weight.powf(-0.5));
         let doubt = believed.std.unwrap_or(0.0);
         let off = (seen - arm).abs();
-        // Where no arc told a radius it is no number.
+        // Without an arc there is no radius, and the value is NaN.
         if off.is_nan() || off <= OFF * std.hypot(doubt) {
             return None;
         }

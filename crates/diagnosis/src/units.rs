@@ -1,4 +1,4 @@
-//! Units in which a model's forces and positions are told.
+//! Units of a model's forces and positions in reports.
 
 use super::point::Point;
 use super::problem::Problem;
@@ -25,7 +25,7 @@ pub fn units(problem: &Problem, point: &Point) -> Units {
     }
 }
 
-/// Unit of an output's values, in which residuals are; errors may be told in another one.
+/// Unit of an output's values and residuals; errors may be reported in another one.
 pub fn of_values(experiment: &Experiment, output: &Output) -> String {
     match output.role {
         Role::LinkPosition | Role::MotorPosition | Role::Deformation => {
@@ -37,7 +37,7 @@ pub fn of_values(experiment: &Experiment, output: &Output) -> String {
     }
 }
 
-/// Of an acceleration, of which this is the position.
+/// Unit of an acceleration, from that of the position.
 pub fn over_seconds_squared(unit: &str) -> String {
     format!("{unit}/s^2")
 }

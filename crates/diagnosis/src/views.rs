@@ -7,33 +7,33 @@ use super::problem::Problem;
 use super::projector::{Projector, orthonormal};
 use nalgebra::{DMatrix, DVector};
 
-/// Step of a derivative in what the residual bends over.
+/// Step of a derivative, relative to the reach of the unknown.
 const STEP: f64 = 1e-3;
 
 /// Fitted rows of all experiments, and held-out rows.
 pub type Both = [DVector<f64>; 2];
 
-/// How a point shows in the rows.
+/// Rows at points around a fit.
 pub struct Views<'a> {
     judge: &'a Judge<'a>,
     problem: &'a Problem<'a>,
     projector: &'a Projector,
     apart: Option<Apart<'a>>,
-    /// What makes the held-out rows of an experiment white.
+    /// Whitening of the held-out rows of an experiment.
     input_rounding: Vec<RoundingCovariance>,
 }
 
-/// Recordings kept apart, where an explanation was held against them.
+/// Recordings kept apart, in the problem of the judged explanation.
 struct Apart<'a> {
     problem: Problem<'a>,
     projector: Projector,
     point: Point,
-    /// Directions of what these recordings alone have: it is free.
+    /// Directions of these recordings' own unknowns, which are free.
     nuisances: Vec<DMatrix<f64>>,
 }
 
 impl<'a> Views<'a> {
-    /// Around a fitted point.
+    /// Views around a fitted point.
     pub fn new(
         judge: &'a Judge<'a>,
         problem: &'a Problem<'a>,
@@ -61,8 +61,8 @@ impl<'a> Views<'a> {
         }
     }
 
-    /// Whitened rows at a point; nuisances are projected out of the fitted ones, and taken from these for the
-    /// others.
+    /// Whitened rows at a point. Nuisances are projected out of the fitted rows; the held-out rows take theirs
+    /// from these.
     pub fn see(&self, point: &Point) -> Both {
         let (mut fitted, mut held) = (Vec::new(), Vec::new());
         for e in 0..self.problem.experiments.len() {
@@ -88,8 +88,8 @@ impl<'a> Views<'a> {
         [fitted, held].map(DVector::from_vec)
     }
 
-    /// Derivatives by all unknowns, the shared ones first, then those of each recording, at a point that shows
-    /// as `here`.
+    /// Derivatives by all unknowns, the shared ones first, then those of each recording, at a point with the
+    /// rows `here`.
     pub fn slopes(&self, point: &Point, here: &Both) -> [DMatrix<f64>; 2] {
         let globals = self.problem.globals(point);
         let mut columns: Vec<Both> = globals
@@ -108,7 +108,7 @@ impl<'a> Views<'a> {
         let problem = self.problem;
         let windows = problem.experiments.iter().any(|e| !e.windows.is_empty());
         if self.apart.is_some() || windows {
-            // Of what a fitted recording alone has nothing shows in what was held out.
+            // A fitted recording's own unknowns do not affect held-out rows.
             let all = problem.linearise(point, self.projector).stacked();
             let own = all.columns_range(globals.len()..);
             let both = own
@@ -126,7 +126,7 @@ impl<'a> Views<'a> {
         sizes.map(column).collect()
     }
 
-    /// Derivative by what moves a point by a change.
+    /// Derivative along a change of a point.
     pub fn slope(&self, here: &Both, moved: &Point, change: f64) -> Both {
         if change == 0.0 {
             return [0, 1].map(|k| DVector::zeros(here[k].len()));
@@ -150,7 +150,7 @@ impl Apart<'_> {
     }
 }
 
-/// Columns as a matrix each of fitted and held-out rows.
+/// Columns as two matrices, of fitted and of held-out rows.
 pub fn joined(columns: &[Both], here: &Both) -> [DMatrix<f64>; 2] {
     [0, 1].map(|k| {
         let own: Vec<_> = columns.iter().map(|both| both[k].column(0)).collect();
@@ -161,7 +161,7 @@ pub fn joined(columns: &[Both], here: &Both) -> [DMatrix<f64>; 2] {
     })
 }
 
-/// Typical sizes of the unknowns that each recording alone has.
+/// Typical sizes of the recordings' own unknowns.
 pub fn local_sizes(problem: &Problem, point: &Point, globals: &[Global]) -> Vec<f64> {
     let of = |e: usize| {
         let sizes = problem.sizes(point, globals, e);
@@ -174,7 +174,7 @@ pub fn local_sizes(problem: &Problem, point: &Point, globals: &[Global]) -> Vec<
     (0..problem.experiments.len()).flat_map(of).collect()
 }
 
-/// The point with a shared unknown moved, away from a bound, and by how much.
+/// The point with a shared unknown moved away from a bound, and the size of the move.
 fn nudged(problem: &Problem, point: &Point, global: Global, step: f64) -> (Point, f64) {
     let here = problem.get(point, global);
     let moved = |step: f64| {

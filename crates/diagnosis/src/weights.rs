@@ -1,5 +1,5 @@
-//! What an output's rows weigh: its noise and, where several outputs are far above theirs, what the model
-//! leaves of each.
+//! Weights of an output's rows: its noise and, where the residuals of several outputs are far above the noise,
+//! these residuals.
 
 use super::noise::{LOUDER, noise};
 use super::point::Point;
@@ -10,10 +10,10 @@ use super::whitening::Whitening;
 use quell_model::Experiment;
 use std::f64::consts::TAU;
 
-/// Of each experiment and output.
+/// A value for each experiment and output.
 type Each<T> = Vec<Vec<T>>;
 
-/// Sets level and colour of the noise, and the weights, from the residual at a point.
+/// Sets level and colour of the noise and the weights from the residual at a point.
 pub fn measure_noise(problem: &mut Problem, point: &Point) {
     let (noise, left) = measured(problem, point);
     tracing::debug!(?noise, "noise");
@@ -21,8 +21,8 @@ pub fn measure_noise(problem: &mut Problem, point: &Point) {
     problem.noise = noise;
 }
 
-/// Noise and weights that a better model tells, where they differ from what was believed by more than
-/// chance: what is not smooth in a mismatch passes for noise until the mismatch is explained.
+/// Noise and weights from a better model, if they differ from the present ones by more than chance: the rough
+/// part of a mismatch is taken for noise until the mismatch is explained.
 pub fn measured_again(
     problem: &Problem,
     point: &Point,
@@ -31,9 +31,9 @@ pub fn measured_again(
     let mut noise = problem.noise.clone();
     let new = found.into_iter().flatten().zip(left.iter().flatten());
     for (own, (new, left)) in noise.iter_mut().flatten().zip(new) {
-        // A model that is better makes no noise: an output is as quiet as it was ever seen to be. But where
-        // only its roughness was seen, and it was taken for white, all that is left may be noise as rough that
-        // is slower, and louder.
+        // A better model does not add noise, so the lower estimate of a level counts. The exception is noise
+        // that was only known by its roughness and taken for white: the residual may be noise of the same
+        // roughness that is slower and louder.
         let quieter = LOUDER * new.deviation < own.deviation;
         let louder = new.deviation > LOUDER * own.deviation && own.coefficients.is_empty();
         let as_rough = || new.roughness() < LOUDER * own.deviation;
@@ -51,9 +51,9 @@ pub fn measured_again(
     changed.then_some((noise, weights))
 }
 
-/// Noise of every output, and the standard deviation of what the model leaves of it.
+/// Noise of every output, and the standard deviation of its residual.
 fn measured(problem: &Problem, point: &Point) -> (Each<Whitening>, Each<f64>) {
-    // Only of a mode is it known how its response falls above its frequency.
+    // Only for a mode the fall of the response above its frequency is known.
     let rates = match problem.kind.mode {
         Some((f, xi)) => (TAU * point.keys[f], TAU * point.keys[f] * point.keys[xi]),
         None => {
@@ -73,13 +73,13 @@ fn measured(problem: &Problem, point: &Point) -> (Each<Whitening>, Each<f64>) {
     problem.experiments.iter().enumerate().map(of).unzip()
 }
 
-/// The noise, made louder for those outputs that are further above theirs than the nearest one.
+/// The noise, raised for outputs whose residuals are further above it than that of the nearest output.
 ///
-/// Far above the noise a residual is the model's error, of whose size in each output the noise says
-/// nothing: a quiet sensor would be all that counts. A model's error is one of the motion, whichever
-/// sensor sees it, so that outputs in one unit weigh alike. With levels that are not known the likelihood
-/// is `prod RSS_k^(-N_k / 2)` over the units, whose weights are the levels themselves. Where one output
-/// shows nothing but noise, the noise is what weighs.
+/// Far above the noise a residual is the model's error, and the noise says nothing about its size in each
+/// output: the quietest sensor would count alone. A model's error belongs to the motion, whichever sensor sees
+/// it, so that outputs of one unit weigh alike. If the levels are unknown, the likelihood is `prod RSS_k^(-N_k
+/// / 2)` over the units, and the weights are the levels themselves. If one output shows only noise, the weights
+/// are those of the noise.
 ///
 /// Source: Box and Draper, The Bayesian estimation of common parameters from several responses,
 /// Biometrika 52 (1965), for outputs whose errors are independent.

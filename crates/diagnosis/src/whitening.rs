@@ -1,4 +1,4 @@
-//! What makes noise white: an autoregressive filter, since real noise is not white.
+//! Whitening of noise by an autoregressive filter.
 
 use rand::Rng;
 use rand_distr::StandardNormal;
@@ -14,7 +14,7 @@ pub struct Whitening {
     pub deviation: f64,
 }
 
-/// Samples after which a drawn series has forgotten how it began.
+/// Samples after which a drawn series is independent of its start.
 const WARM_UP: usize = 500;
 
 /// Highest order that is tried. A second-order resonance of the sensor needs 2; mains hum and a
@@ -40,7 +40,8 @@ impl Whitening {
         }
     }
 
-    /// Deviation that third differences of the noise show, were it taken for white: `sd(D^3 r) / sqrt(20)`.
+    /// Standard deviation that third differences of the noise give if it is taken for white: `sd(D^3 r) /
+    /// sqrt(20)`.
     pub fn roughness(&self) -> f64 {
         let mut response: Vec<f64> = Vec::with_capacity(WARM_UP);
         for t in 0..WARM_UP {
@@ -54,8 +55,8 @@ impl Whitening {
         self.innovation * (power / 20.0).sqrt()
     }
 
-    /// The filter for stretches of noise: Yule-Walker by the Levinson-Durbin recursion, the order of
-    /// least BIC. White where the stretches are too short to tell.
+    /// The filter for stretches of noise: Yule-Walker by the Levinson-Durbin recursion, with the order of least
+    /// BIC. White where the stretches are too short.
     ///
     /// Source: Brockwell and Davis, Time Series: Theory and Methods (1991), sections 8.2 and 9.3.
     pub fn fit(stretches: &[&[f64]]) -> Self {
@@ -97,8 +98,8 @@ impl Whitening {
         best
     }
 
-    /// Appends the whitened values. The first ones, whose past is not known, are divided by the
-    /// noise's own deviation.
+    /// Appends the whitened values. The first ones have no known past and are divided by the noise's own
+    /// standard deviation.
     pub fn apply(&self, values: &[f64], rows: &mut Vec<f64>) {
         let p = self.coefficients.len();
         for (t, value) in values.iter().enumerate() {

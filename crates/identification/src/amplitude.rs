@@ -1,4 +1,4 @@
-//! Whether damping depends on amplitude: cycle by cycle over a free decay.
+//! Dependence of the damping on the amplitude, cycle by cycle over a free decay.
 
 use super::run::Run;
 use quell_control::estimators::Sample;
@@ -21,16 +21,16 @@ pub struct CycleDamping {
 /// Damping against amplitude over a free decay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AmplitudeDependence {
-    /// One entry a half period, each over a whole cycle, in the order of time.
+    /// One entry for each half period, each over a whole cycle, in the order of time.
     pub cycles: Vec<CycleDamping>,
     /// Kendall's rank correlation of damping and amplitude in standard deviations of chance.
     pub trend: f64,
 }
 
 impl AmplitudeDependence {
-    /// Whether damping falls as the amplitude does: the ranks agree beyond chance (two standard
-    /// deviations, 5 % by chance; it takes five cycles), and the first third's median differs from the
-    /// last third's by three of their own standard deviations.
+    /// Whether damping falls with the amplitude. The rank correlation must be beyond chance (two standard
+    /// deviations, 5 % by chance; at least five cycles), and the medians of the first and last third must
+    /// differ by three of their own standard deviations.
     pub fn falls_with_amplitude(&self) -> bool {
         self.trend > 2.0 && self.differs()
     }

@@ -1,4 +1,4 @@
-//! Whether a batch fit tells a mode, or what noise and drift make as well.
+//! Whether a batch fit shows a mode, or only what noise and drift could produce as well.
 
 use super::IdentificationError;
 use quell_control::estimators::Sample;
@@ -15,15 +15,16 @@ const STRONG: f64 = 10.0;
 pub struct Evidence {
     /// By how much the fit lowers chi-squared, `n ln(S0 / S1)`.
     pub found: f64,
-    /// The evidence that a mode takes, `4 ln N + 10`.
+    /// The least evidence for a mode, `4 ln N + 10`.
     pub needed: f64,
     /// `N`.
     pub samples: usize,
 }
 
 impl Evidence {
-    /// Of the fit of a whole recording; none where no fit ended in a mode. Of `N` samples whose residual has the
-    /// first autocorrelation `r`, `n = N (1 - r) / (1 + r)` are independent: drift is not taken for a slow mode.
+    /// The evidence of a fit of a whole recording; 0 where no fit ended in a mode. Of `N` samples whose
+    /// residual has the first autocorrelation `r`, `n = N (1 - r) / (1 + r)` are independent, so that a drift
+    /// is not taken for a slow mode.
     pub fn of_all(samples: &[Sample], fit: Option<&BatchFit>) -> Self {
         let count = samples.len() as f64;
         fit.map_or(Self::none(samples.len()), |fit| {
@@ -32,7 +33,7 @@ impl Evidence {
         })
     }
 
-    /// Of the fit of a free decay, whose evenly spaced extrema no drift has: all samples count.
+    /// The evidence of a fit of a free decay. All samples count: no drift has evenly spaced extrema.
     pub fn of_decay(samples: &[Sample], fit: &BatchFit) -> Self {
         Self::by(samples, fit, samples.len() as f64)
     }
@@ -45,7 +46,7 @@ impl Evidence {
         let left: f64 = fit.residual.iter().map(|r| r * r).sum();
         let found = independent * (before / left.max(f64::MIN_POSITIVE)).ln();
         Self {
-            // Where nothing varies there is no ratio.
+            // If nothing varies, the ratio is undefined.
             found: if found.is_finite() {
                 found.max(0.0)
             } else {
@@ -63,12 +64,12 @@ impl Evidence {
         }
     }
 
-    /// Whether it is strong.
+    /// Whether the evidence is strong.
     pub fn tells(&self) -> bool {
         self.found >= self.needed
     }
 
-    /// Refuses what tells no mode.
+    /// Refuses weak evidence.
     ///
     /// # Errors
     /// [`IdentificationError::NotExcited`].

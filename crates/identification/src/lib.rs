@@ -37,8 +37,8 @@ use quell_control::estimators::{ESTIMATORS, Estimate, Sample, Settings};
 pub struct Prior {
     /// The mode that the engineer believes in; without it a first batch fit takes its place.
     pub belief: Option<Mode>,
-    /// Whether the deformation's scale is open: measured by a sensor of its own (strain gauge)
-    /// rather than as a difference of positions.
+    /// Whether the deformation's scale is unknown: it is measured by a sensor of its own (strain gauge) rather
+    /// than as a difference of positions.
     pub scale_is_open: bool,
 }
 
@@ -49,31 +49,32 @@ pub struct Identification {
     pub whole: Run,
     /// Each free decay on its own.
     pub free_decays: Vec<Run>,
-    /// Whether the known input explains the deformation: its batch fit agrees with that of the
-    /// free decays. `None` where there is no free decay to hold it against.
+    /// Whether the known input explains the deformation: its batch fit agrees with that of the free decays.
+    /// `None` where there is no free decay for comparison.
     pub known_input_holds: Option<bool>,
-    /// Share of the deformation's variance that the batch fit of the whole recording explains, over what it is of.
+    /// Share of the deformation's variance that the batch fit of the whole recording explains, over the samples
+    /// of that fit.
     pub explained: f64,
-    /// How long the known input carries the vibration, s; infinite where it does to the end.
+    /// How long the simulated vibration may rely on the known input, s; infinite where it may to the end.
     pub memory: f64,
-    /// How damping follows amplitude over the best free decay.
+    /// Damping over amplitude in the best free decay.
     pub amplitude_dependence: Option<AmplitudeDependence>,
-    /// Index of the free decay with the most to tell.
+    /// Index of the free decay with the most information.
     pub best_decay: Option<usize>,
     /// Rests of the motor side after a motion.
     pub rests: usize,
-    /// How many of them were looked at for a free decay: all but in a long recording.
+    /// How many of them were searched for a free decay: all except in a long recording.
     pub rests_looked_at: usize,
 }
 
 impl Identification {
-    /// Whether the recording is so long that the mode was looked for in a part of it, that of
-    /// [`Run::shown`], and fitted to the whole from there.
+    /// Whether the recording is so long that the mode was searched in a part of it ([`Run::shown`]), and then
+    /// fitted to the whole.
     pub fn is_long(&self) -> bool {
         self.whole.shown != self.whole.stretch
     }
 
-    /// Whether the batch fit is of that part alone, as the whole led it out of the range of frequencies.
+    /// Whether the batch fit is of that part alone, because the fit of the whole left the range of frequencies.
     pub fn is_fit_of_part(&self) -> bool {
         self.whole.fitted != self.whole.stretch
     }
@@ -91,7 +92,7 @@ impl Identification {
         }
     }
 
-    /// The two modes of the first estimator that told two, over what is quoted of it.
+    /// The two modes of the first estimator that found two, from its quoted run.
     pub fn two_modes(&self) -> Option<(Estimate, Estimate)> {
         ESTIMATORS.iter().enumerate().find_map(|(index, line)| {
             let result = self.quoted(index)?.estimator(line.name)?;
@@ -170,8 +171,8 @@ pub fn identify_until(
     })
 }
 
-/// The runs of all free decays, and whether the known input holds. Where it does what is left of the motor side's
-/// motion in them, its settling, is known, too; else it counts as standing still.
+/// The runs of all free decays, and whether the known input holds. If it does, the settling of the motor side
+/// during a decay is a known input, too; else the motor side counts as standing still.
 fn free_decays(
     samples: &[Sample],
     decays: &[FreeDecay],
@@ -217,8 +218,8 @@ fn strongest(decays: &[Run]) -> Option<usize> {
         .max_by(|&a, &b| decays[a].energy.total_cmp(&decays[b].energy))
 }
 
-/// Whether the fit with the known input and the free decay's give one frequency: within 3 %, or
-/// three of their standard deviations where those are smaller than that.
+/// Whether the fit with the known input and that of the free decay have the same frequency: within 3 %, or
+/// within three of their standard deviations if these are smaller than that.
 fn agree(whole: &BatchFit, decay: &BatchFit) -> bool {
     let w = decay.mode.natural_frequency();
     let difference = (whole.mode.natural_frequency() - w).abs();
@@ -236,8 +237,8 @@ fn explained_not(samples: &[Sample], fit: &BatchFit) -> f64 {
     left / total.max(f64::MIN_POSITIVE)
 }
 
-/// Settings for a recording: offset free, the whole of it as window, frequencies within an octave of
-/// the belief.
+/// Settings for a recording: offset free, the whole of it as window, frequencies within an octave of the
+/// belief.
 fn settings(
     samples: &[Sample],
     part: &[Sample],
@@ -258,7 +259,7 @@ fn settings(
     if let Some(belief) = prior.belief {
         return Ok(common(Settings::around(belief, sample_time)));
     }
-    // Two periods in what is looked through, five samples in a period.
+    // At least two periods in the searched part, and at least five samples in a period.
     let range = (2.0 * TAU / duration(part), TAU / (5.0 * sample_time));
     if range.0 >= range.1 {
         return Err(IdentificationError::Still);
@@ -266,8 +267,8 @@ fn settings(
     first_look(samples, part, common(Settings::within(range, sample_time)))
 }
 
-/// Without a belief: what batch fits over a wide range say, of the longest rest and of the recording, or of parts
-/// of these. The rest's counts, and both are within the range that is looked through.
+/// The first mode without a belief, from batch fits over a wide range: of the longest rest and of the
+/// recording, or of parts of these. The rest's mode is used, and both are within the range of the settings.
 fn first_look(
     samples: &[Sample],
     part: &[Sample],

@@ -1,4 +1,4 @@
-//! The nominal model of a joint, as a file: what the engineer believes.
+//! The nominal model of a joint, as a file: the engineer's belief.
 
 use std::path::Path;
 
@@ -35,7 +35,7 @@ impl NominalModel {
         Self::of(&Model::from_path(file)?, file)
     }
 
-    /// Of a model, which errors call by the name of its file.
+    /// The nominal part of a model; errors name the file.
     ///
     /// # Errors
     /// [`ModelError`] where it is of another kind.

@@ -1,4 +1,4 @@
-//! From a recording to the aligned series that is identified.
+//! From a recording to the aligned series for the identification.
 
 use core::f64::consts::{PI, TAU};
 
@@ -11,7 +11,7 @@ use quell_signal::{ArcRegistration, JointArc, SignalError, TipRegistration, reco
 /// Why a recording cannot be identified.
 #[derive(Debug, thiserror::Error)]
 pub enum IdentificationError {
-    /// A channel is missing or bad, or the sensor's frame cannot be learned.
+    /// A channel is missing or invalid, or the sensor's frame cannot be determined.
     #[error(transparent)]
     Signal(#[from] SignalError),
     /// Too few samples.
@@ -49,7 +49,7 @@ pub enum IdentificationError {
         /// How far the motor side moves, rad.
         by: f64,
     },
-    /// A recording that is no more of a mode than noise is.
+    /// A recording whose evidence for a mode is that of noise.
     #[error(
         "no mode can be told: {found:.0} of a chi-squared of {needed:.0} that would be strong evidence for one in \
          {samples} samples; what varies is noise or drift; record a move that makes the link ring, and the rest after it"
@@ -57,12 +57,12 @@ pub enum IdentificationError {
     NotExcited {
         /// By how much the best fit lowers the criterion, as a chi-squared.
         found: f64,
-        /// The value that a mode would take.
+        /// The least value for a mode.
         needed: f64,
         /// Number of samples.
         samples: usize,
     },
-    /// What stands out of the spectrum is no resonance.
+    /// The strongest line of the spectrum is no resonance.
     #[error(
         "no mode can be told: what stands out of the spectrum has not the width of a resonance, as what a motor makes \
          that turns; record the decay after a tap, or a longer time"
@@ -76,7 +76,7 @@ pub enum IdentificationError {
     Still,
 }
 
-/// An aligned series and how it was made.
+/// An aligned series, and how it was obtained.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     /// Samples on the deformation sensor's stamps, rad (deformation in the sensor's own unit where
@@ -90,8 +90,8 @@ pub struct Series {
     pub scale_is_open: bool,
 }
 
-/// Aligns a recording, which is taken: angles unwrapped, a tip sensor registered by the model's lever arm, in the way
-/// that is asked for.
+/// Aligns a recording, which is consumed: angles are unwrapped, a tip sensor is registered with the model's
+/// lever arm, in the requested way.
 ///
 /// # Errors
 /// [`IdentificationError::Signal`].
@@ -107,7 +107,7 @@ pub fn prepare(
         }
     }
     carries(&recording)?;
-    // What is left of a gain between raw counts is the static gain of the methods.
+    // The remaining gain between raw counts is the static gain of the methods.
     let _ = unify_gain(&mut recording);
     let lever_arm = model.and_then(|model| model.lever_arm);
     let arc = match (lever_arm, model) {
@@ -134,7 +134,7 @@ pub fn prepare(
     })
 }
 
-/// Whether the sensors that are used show something that can be a motion.
+/// Checks that the signals of the used sensors can be a motion.
 fn carries(recording: &Recording) -> Result<(), IdentificationError> {
     let roles = [Role::Deformation, Role::LinkPosition, Role::TipPosition];
     let sensor = roles.iter().find_map(|role| recording.channel(*role));
@@ -150,7 +150,7 @@ fn carries(recording: &Recording) -> Result<(), IdentificationError> {
             });
         }
     }
-    // One sample cannot vary: that there are too few is told by who needs more.
+    // A single sample cannot vary; too few samples are reported elsewhere.
     if sensor.varies() || sensor.time.len() < 2 {
         return Ok(());
     }
@@ -165,7 +165,7 @@ fn carries(recording: &Recording) -> Result<(), IdentificationError> {
     })
 }
 
-/// Takes whole turns out of an angle that jumps by more than half a turn between samples.
+/// Removes whole turns from an angle that jumps by more than half a turn between samples.
 fn unwrap(angle: &mut [f64]) {
     let mut turns = 0.0;
     let mut last = angle.first().copied().unwrap_or(0.0);

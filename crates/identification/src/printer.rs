@@ -1,7 +1,8 @@
 //! The shaper of a printer's axis: a type and a frequency, as printers' firmware takes them.
 //!
-//! A firmware has one shaper an axis, whatever the number of modes. Of all types and frequencies the one is taken that
-//! smooths a corner least and leaves an acceptable vibration; where none does, the one that leaves least.
+//! A firmware has one shaper for each axis, whatever the number of modes. The choice over all types and
+//! frequencies is the shaper of least smoothing with an acceptable residual vibration; if there is none, that
+//! of least residual.
 
 use super::output_only::FoundMode;
 use quell_shapers::{
@@ -12,25 +13,25 @@ use quell_shapers::{
 /// Shapers that printers' firmware has.
 pub static PRINTER_SHAPERS: [&dyn Shaper; 6] = [&Zv, &Mzv, &Zvd, &Ei, &TwoHumpEi, &ThreeHumpEi];
 
-/// Acceleration, mm/s^2, and velocity at a corner, mm/s, at which smoothing is told: those at which Klipper tells it.
+/// Acceleration, mm/s^2, and velocity at a corner, mm/s, for which smoothing is reported: those of Klipper.
 pub const ACCELERATION: f64 = 5000.0;
 /// See [`ACCELERATION`].
 pub const CORNER_VELOCITY: f64 = 5.0;
-/// Smoothing, mm, at which the greatest acceleration is told; Klipper's, too.
+/// Smoothing, mm, for which the greatest acceleration is reported; that of Klipper.
 const SMOOTH: f64 = 0.12;
-/// Frequencies that are tried are this share apart, a tenth of what a ZV shaper tolerates (6 %), from this share of the
-/// lowest mode to that of the highest.
+/// Relative distance of the tried frequencies, a tenth of a ZV shaper's tolerance (6 %); and their range, in
+/// times the lowest and the highest mode.
 const STEP: f64 = 0.005;
 const RANGE: [f64; 2] = [0.6, 2.0];
-/// Residuals that are nearer than this are told as alike: a tenth of what is acceptable.
+/// Residuals that are nearer than this count as equal: a tenth of the acceptable one.
 const ALIKE: f64 = 0.005;
-/// Standard deviation of a frequency, as a share of it, beside what a recording tells: the recording is of one place of
-/// the axis and of one load. One percent is what a frequency must be known to for a ZV shaper to leave 3 %.
+/// Relative standard deviation of a frequency beyond that of a recording, which is of one place of the axis and
+/// one load. One percent is the accuracy with which a ZV shaper leaves 3 %.
 const SPREAD: f64 = 0.01;
-/// Standard deviations on either side for which a residual is told.
+/// Standard deviations at which a residual is computed.
 const SIDES: [f64; 3] = [-2.0, 0.0, 2.0];
 
-/// A shaper of an axis, and what it does.
+/// A shaper of an axis, and its effect.
 #[derive(Clone)]
 pub struct Setting {
     /// The type.
@@ -39,7 +40,8 @@ pub struct Setting {
     pub mode: Mode,
     /// Its impulses.
     pub train: ImpulseTrain,
-    /// Vibration that it leaves, as a share of the unshaped one, in the worst recording, within two standard deviations.
+    /// Residual vibration as a share of the unshaped one, in the worst recording, within two standard
+    /// deviations.
     pub residual: f64,
     /// Smoothing of a corner, mm.
     pub smoothing: f64,
@@ -65,8 +67,8 @@ pub fn smoothing(train: &ImpulseTrain, a: f64, v: f64) -> f64 {
     f64::max(quarter * std::f64::consts::SQRT_2, half)
 }
 
-/// The share of an axis' vibration that a train leaves: of each recording the sum over its modes, each by its amplitude,
-/// and of that the worst over recordings and over two standard deviations.
+/// The share of an axis' vibration that a train leaves: for each recording the sum over its modes, weighted by
+/// amplitude; of that the worst over recordings and over two standard deviations.
 pub fn residual(train: &ImpulseTrain, recordings: &[Vec<FoundMode>]) -> f64 {
     let of = |modes: &Vec<FoundMode>| {
         let all: f64 = modes.iter().map(|mode| mode.share).sum();
@@ -79,7 +81,7 @@ pub fn residual(train: &ImpulseTrain, recordings: &[Vec<FoundMode>]) -> f64 {
     recordings.iter().map(of).fold(0.0, f64::max)
 }
 
-/// The worst residual of a mode within two standard deviations, and within what its amplitude does to it.
+/// The worst residual of a mode within two standard deviations, and within its shift with amplitude.
 fn worst(train: &ImpulseTrain, mode: &FoundMode) -> f64 {
     let known = mode.known;
     let [frequency, ratio] = [known.mode.natural_frequency(), known.mode.damping_ratio()];
@@ -100,7 +102,7 @@ fn worst(train: &ImpulseTrain, mode: &FoundMode) -> f64 {
     worst
 }
 
-/// The best frequency of each type, for one axis: it leaves least, and of those that leave as little it smooths least.
+/// The best frequency of each type for one axis: of those with least residual the one with least smoothing.
 ///
 /// # Errors
 /// [`ShaperError::Empty`] without a mode.
@@ -117,8 +119,8 @@ pub fn settings(recordings: &[Vec<FoundMode>]) -> Result<Vec<Setting>, ShaperErr
     Ok(PRINTER_SHAPERS.iter().filter_map(of_type).collect())
 }
 
-/// The one to take of some settings: the least smoothing of those that leave no more than is acceptable, else the least
-/// residual.
+/// The recommended one of some settings: that of least smoothing among those with an acceptable residual, else
+/// that of least residual.
 pub fn best<'a>(
     settings: impl Iterator<Item = &'a Setting>,
     acceptable: f64,
@@ -134,7 +136,7 @@ pub fn best<'a>(
     least.copied()
 }
 
-/// The setting that leaves least of those that smooth no more than so many mm.
+/// The setting of least residual among those that smooth at most so many mm.
 ///
 /// # Errors
 /// As [`settings`].
@@ -169,7 +171,7 @@ fn all(recordings: &[Vec<FoundMode>]) -> Result<Vec<Setting>, ShaperError> {
             continue;
         };
         for step in 0..=steps {
-            // As it is written into the firmware.
+            // Rounded as in the firmware's configuration.
             let frequency = (10.0 * lowest * (STEP * step as f64).exp()).round() / 10.0;
             let scaled = |impulse: &Impulse| Impulse {
                 time: impulse.time / frequency,
@@ -193,7 +195,8 @@ fn all(recordings: &[Vec<FoundMode>]) -> Result<Vec<Setting>, ShaperError> {
     Ok(all)
 }
 
-/// The acceleration at which a train smooths by 0.12 mm, mm/s^2; 0 where its corner velocity alone does.
+/// The acceleration at which a train smooths by 0.12 mm, mm/s^2; 0 where the corner velocity alone causes as
+/// much.
 fn acceleration(train: &ImpulseTrain) -> f64 {
     let at = |a: f64| smoothing(train, a, CORNER_VELOCITY);
     // Each of the two terms is linear in the acceleration.

@@ -1,10 +1,10 @@
-//! The one estimate to take of all that were made of a recording, and how far the others contradict it.
+//! The recommended estimate of a recording, and how far the others contradict it.
 
 use super::{Identification, Run};
 use quell_control::estimators::{ESTIMATORS, Estimate, EstimatorEntry};
 use quell_shapers::UncertainMode;
 
-/// Why a line is the one to take.
+/// Why an estimate is recommended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Why {
     /// Maximum likelihood, with the motion as known input.
@@ -13,25 +13,25 @@ pub enum Why {
     Decay,
     /// Two modes, as the likelihood ratio excludes one.
     TwoModes,
-    /// The off-line fit, as maximum likelihood told no mode on-line.
+    /// The off-line fit, as maximum likelihood found no mode on-line.
     OffLine,
 }
 
-/// The line to take.
+/// The recommended estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recommended {
     /// The estimator, or `batch_fit`.
     pub method: &'static str,
-    /// Its mode. The deviations are the method's own and [`between`](Self::between) together.
+    /// Its mode. The deviations combine the method's own and [`between`](Self::between).
     pub mode: UncertainMode,
-    /// The second mode, where it tells two.
+    /// The second mode, if it has two.
     pub further: Option<UncertainMode>,
-    /// A second mode that explains the whole better, and that the strongest free decay does not show.
+    /// A second mode that improves the fit of the whole, but does not show in the strongest free decay.
     pub doubted: Option<UncertainMode>,
-    /// What the fits of separate stretches differ by beyond their deviations: one standard deviation of `omega_n`,
-    /// rad/s, and of `xi`. 0 where they agree.
+    /// Scatter between the fits of separate stretches beyond their own deviations: one standard deviation of
+    /// `omega_n`, rad/s, and of `xi`. 0 where they agree.
     pub between: [f64; 2],
-    /// Why this line.
+    /// Why this estimate.
     pub why: Why,
 }
 
@@ -43,10 +43,10 @@ impl Recommended {
 }
 
 impl Identification {
-    /// The estimate to take; none where no method told a mode.
+    /// The recommended estimate; `None` where no method found a mode.
     ///
-    /// Maximum likelihood is efficient: no unbiased method has a smaller deviation on the same samples. It is taken over
-    /// all samples that its model explains.
+    /// Maximum likelihood is efficient: no unbiased method has a smaller deviation on the same samples. It is
+    /// used on all samples that its model explains.
     pub fn recommended(&self) -> Option<Recommended> {
         let between = self.between();
         let widen = |mode: UncertainMode| UncertainMode {
@@ -97,11 +97,12 @@ impl Identification {
         Some(told(fit.method, mode, None, Why::OffLine))
     }
 
-    /// Standard deviations of `omega_n` (rad/s) and `xi` to tell beside an estimate, which may contradict what is
-    /// recommended.
+    /// Standard deviations of `omega_n` (rad/s) and `xi` for display beside an estimate, which may contradict
+    /// the recommended one.
     ///
-    /// A method that states its error has that and what separate stretches differ by. The others state the spread of
-    /// their recent estimates, which may be far below their error: they have their distance from what is recommended, too.
+    /// A method that states its error gets this and the scatter between separate stretches. The others state
+    /// the spread of their recent estimates, which may be far below their error; they get also their distance
+    /// from the recommended estimate.
     pub fn deviations(&self, estimate: &Estimate, states_error: bool) -> [f64; 2] {
         let own = [estimate.natural_frequency_std, estimate.damping_ratio_std];
         let Some(best) = self.recommended() else {
@@ -115,7 +116,7 @@ impl Identification {
         };
         let more = match states_error {
             true => best.between,
-            // One of two modes is the nearer one.
+            // Of two modes the nearer one counts.
             false => {
                 let distances = best.modes().map(|mode| off(&mode));
                 distances
@@ -126,9 +127,9 @@ impl Identification {
         [own[0].hypot(more[0]), own[1].hypot(more[1])]
     }
 
-    /// Whether a second mode, told with the motion as known input, rings in the strongest free decay as well. What is wrong
-    /// with the input, such as a clock that is off, looks like a mode in motion, but does not ring on. True where there is
-    /// no free decay to ask.
+    /// Whether a second mode, found with the motion as known input, also shows in the strongest free decay. An
+    /// error of the input, such as a clock offset, looks like a mode in motion, but does not continue in a
+    /// decay. True where there is no free decay.
     fn rings_with_two(&self, method: &str) -> bool {
         let decay = self.best_decay.and_then(|best| self.free_decays.get(best));
         decay.is_none_or(|run| {
@@ -137,7 +138,8 @@ impl Identification {
         })
     }
 
-    /// By how much the batch fits of free decays, and of the whole where its input holds, differ beyond their deviations.
+    /// Scatter between the batch fits of free decays, and of the whole where its input holds, beyond their own
+    /// deviations.
     fn between(&self) -> [f64; 2] {
         let whole = match self.known_input_holds {
             Some(true) => Some(&self.whole),

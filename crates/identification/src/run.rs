@@ -12,10 +12,10 @@ const HISTORY: usize = 3000;
 /// The treatment of the motor side in a free decay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
-    /// As standing still: its creep under feedback is below the share of a move's speed that counts
-    /// as rest, and as a regressor it would take up a drift of the sensor's zero.
+    /// Taken as standing still. Its creep under feedback is below the speed that counts as rest, and as a
+    /// regressor it would absorb a drift of the sensor's zero.
     Still,
-    /// As the known input that it is in the moves.
+    /// Taken as the known input, as in the moves.
     Known,
 }
 
@@ -24,9 +24,9 @@ pub enum Input {
 pub struct OnLine {
     /// Name in the table of estimators.
     pub name: &'static str,
-    /// The last estimate, if there was one.
+    /// The last estimate, if there is one.
     pub estimate: Option<Estimate>,
-    /// A further mode, if it told one in the end.
+    /// A second mode, if it reported one at the end.
     pub further: Option<Estimate>,
     /// When it first called itself converged, s.
     pub converged_at: Option<f64>,
@@ -50,7 +50,7 @@ pub struct OffLine {
 }
 
 impl OffLine {
-    /// The estimate of a method that does not know how well.
+    /// The estimate of a method without standard deviations.
     fn plain(method: &'static str, mode: Mode) -> Self {
         Self {
             method,
@@ -66,11 +66,11 @@ impl OffLine {
 pub struct Run {
     /// The samples used.
     pub stretch: Stretch,
-    /// Those that the estimators on-line were shown: the same, but of a long recording the part in which the mode
-    /// was looked for.
+    /// Samples that the on-line estimators received: the same, but in a long recording the part in which the
+    /// mode was searched.
     pub shown: Stretch,
-    /// Those that the batch fit is of: the same, but of a long recording that leads it out of the range of
-    /// frequencies the part again.
+    /// Samples of the batch fit: the same, but the part again if a long recording led it out of the range of
+    /// frequencies.
     pub fitted: Stretch,
     /// Where periods to convergence are counted from, s: the motion's or the decay's start.
     pub counted_from: f64,
@@ -80,18 +80,18 @@ pub struct Run {
     pub on_line: Vec<OnLine>,
     /// The references.
     pub off_line: Vec<OffLine>,
-    /// Sum of squares of the deformation about its offset, of use to compare decays.
+    /// Sum of squares of the deformation about its offset, to compare decays.
     pub energy: f64,
     /// Extrema of a free decay, half a period apart.
     pub extrema: Vec<Extremum>,
 }
 
 impl Run {
-    /// The whole recording with the motor side as known input, and its batch fit with the samples that it is of.
+    /// The whole recording with the motor side as known input, and its batch fit with the samples of that.
     ///
-    /// Of a long one the estimators are shown a `part`. The likelihoods lose nothing by that, as they forget what is
-    /// older than their window, 65 536 samples at most; the algebraic ones sum over all that they are shown, and
-    /// what they tell is of the part.
+    /// In a long recording the estimators receive a `part`. The likelihoods lose nothing by that, since they
+    /// only use a window of 65 536 samples at most. The algebraic estimators sum over all samples, so that
+    /// their estimates are of the part.
     pub(super) fn whole(
         samples: &[Sample],
         part: &[Sample],
@@ -145,7 +145,7 @@ impl Run {
             on_line: ESTIMATORS
                 .iter()
                 .map(|line| {
-                    // The methods for a free decay know of no input but a constant.
+                    // The methods for a free decay allow for a constant input only.
                     let samples = if line.uses_motion { samples } else { &still };
                     on_line(line, samples, &settings, stretch.from)
                 })
@@ -156,12 +156,12 @@ impl Run {
         }
     }
 
-    /// The batch fit's line, if it found something.
+    /// The estimate of the batch fit, if there is one.
     pub fn batch(&self) -> Option<&OffLine> {
         self.off_line.iter().find(|line| line.method == "batch_fit")
     }
 
-    /// The line of an estimator, if it ran here.
+    /// The result of an estimator, if it ran here.
     pub fn estimator(&self, name: &str) -> Option<&OnLine> {
         self.on_line.iter().find(|line| line.name == name)
     }
@@ -178,7 +178,7 @@ pub(super) fn fit(
     batch_fit(samples, &for_a_decay(settings), input == Input::Known)
 }
 
-/// In a free decay nothing but the initial state has to be carried.
+/// In a free decay only the initial state matters.
 fn for_a_decay(settings: &Settings) -> Settings {
     Settings {
         memory: f64::INFINITY,
@@ -186,7 +186,7 @@ fn for_a_decay(settings: &Settings) -> Settings {
     }
 }
 
-/// The samples with the motor side standing where it is at their start.
+/// The samples with the motor side fixed at its first position.
 fn still(samples: &[Sample]) -> Vec<Sample> {
     let position = samples.first().map_or(0.0, |s| s.motor_position);
     let stand = |s: &Sample| Sample {
@@ -239,7 +239,7 @@ fn on_line(line: &EstimatorEntry, samples: &[Sample], settings: &Settings, from:
     let periods = converged_at
         .zip(estimate)
         .map(|(time, estimate)| (time - from) * estimate.mode.hertz())
-        // What has converged before the count begins has none.
+        // Convergence before the count begins gives no number of periods.
         .filter(|periods| *periods >= 0.0);
     OnLine {
         name: line.name,

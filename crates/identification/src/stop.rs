@@ -1,19 +1,19 @@
-//! Ending an identification before its time.
+//! Early end of an identification.
 
 use super::IdentificationError;
 
-/// Says whether it shall end; asked between fits, and within those of what vibrates alone, on several threads.
+/// Whether it is to end. It is called between fits, and within fits of output-only modes, on several threads.
 pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
-/// Nobody ends it.
+/// Never ends it.
 pub fn never() -> bool {
     false
 }
 
-/// Asks now.
+/// Checks for a stop now.
 ///
 /// # Errors
-/// [`IdentificationError::Stopped`] where it shall end.
+/// [`IdentificationError::Stopped`] if it is to end.
 pub fn check(stop: Stop) -> Result<(), IdentificationError> {
     match stop() {
         true => Err(IdentificationError::Stopped),

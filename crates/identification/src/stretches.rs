@@ -1,4 +1,4 @@
-//! Where the motor side rests, and from where on the deformation is a free decay.
+//! Rests of the motor side, and the free decays within them.
 
 use core::f64::consts::PI;
 
@@ -41,8 +41,8 @@ pub struct FreeDecay {
     pub extrema: Vec<Extremum>,
 }
 
-/// Rests of the motor side that follow a motion and could hold two periods of the slowest mode
-/// that is looked for, or are a tenth of the record.
+/// Rests of the motor side that follow a motion. They can hold two periods of the slowest mode in range, or are
+/// a tenth of the record.
 pub fn rests(samples: &[Sample], settings: &Settings) -> Vec<Stretch> {
     let time: Vec<f64> = samples.iter().map(|s| s.time).collect();
     let position: Vec<f64> = samples.iter().map(|s| s.motor_position).collect();
@@ -63,17 +63,16 @@ pub fn rests(samples: &[Sample], settings: &Settings) -> Vec<Stretch> {
         .collect()
 }
 
-/// Samples of rests that are looked at: hundreds of decays. What is quoted is the strongest of them, and
-/// what a further one adds to the frequency is little against what motion and decays together say.
+/// Most samples of rests that are searched: hundreds of decays. The strongest of them is quoted, and a further
+/// one adds little information on the frequency to that of motion and decays together.
 const LOOKED_AT: usize = 100_000;
 
-/// The rests that are looked at: all, or where these hold more than [`LOOKED_AT`] samples such a share of them that
-/// they hold about as many, each for as many samples from its start on at most.
+/// The rests that are searched. All, or if these hold more than [`LOOKED_AT`] samples, a share of them that
+/// holds about as many; each is cut to at most as many samples from its start.
 ///
-/// Rest `k` is one of them where the fractional part of `k` over the golden ratio is less than the share. So they
-/// are spread evenly (from one to the next it is one of three numbers of rests), and of a programme that repeats
-/// itself after some moves each is seen in its turn: no multiple of an irrational number is a whole one.
-///
+/// Rest `k` is included if the fractional part of `k` over the golden ratio is less than the share. So they are
+/// spread evenly (the distance from one to the next takes three values), and each move of a repeating programme
+/// is included in turn: no multiple of an irrational number is an integer.
 /// Source: H. Weyl, Math. Ann. 77 (1916) 313-352; three distances: V. T. Sos, Ann. Univ. Sci. Budapest 1 (1958)
 /// 127-134.
 pub fn evenly(samples: &[Sample], rests: &[Stretch]) -> Vec<Stretch> {
@@ -105,18 +104,16 @@ pub fn motion_from(samples: &[Sample]) -> f64 {
         .map_or(time[0], |phase| phase.start)
 }
 
-/// The free decay within a rest: the longest run of extrema that follow each other at half a
-/// period.
+/// The free decay within a rest: the longest run of extrema at distances of half a period.
 ///
-/// The response of a sensor's own filter, or of a motor side that still settles, after the motion's end dies
-/// out sooner than a lightly damped mode; while it lasts the extrema are unevenly spaced. Spacing
-/// counts as even within 15 % of half a period: noise of a tenth of the amplitude shifts an
-/// extremum by 3 %, and twice that on both ends of an interval is 13 %. Where all are even
-/// the decay begins with the rest. `None` where fewer than three extrema (a period) rise out of the
-/// noise.
+/// After the end of a motion, the response of a sensor's own filter, or of a motor side that still settles,
+/// dies out sooner than a lightly damped mode. While it lasts, the extrema are unevenly spaced. Spacing counts
+/// as even within 15 % of half a period: noise of a tenth of the amplitude shifts an extremum by 3 %, and twice
+/// that on both ends of an interval is 13 %. Where all are even, the decay begins with the rest. `None` where
+/// fewer than three extrema (a period) exceed the noise.
 pub fn free_decay(samples: &[Sample], rest: Stretch, settings: &Settings) -> Option<FreeDecay> {
     let within = rest.of(samples);
-    // The frequency from the rest's last two thirds, where only the mode is left.
+    // The frequency is taken from the rest's last two thirds, where only the mode is left.
     let late = Stretch {
         from: rest.from + (rest.until - rest.from) / 3.0,
         ..rest
@@ -139,7 +136,7 @@ pub fn free_decay(samples: &[Sample], rest: Stretch, settings: &Settings) -> Opt
     } else {
         begin.time
     };
-    // One more period after the last extremum that is seen: beyond there is only noise.
+    // One more period after the last visible extremum; beyond it there is only noise.
     let until = rest.until.min(last.time + 2.0 * half_period);
     Some(FreeDecay {
         stretch: Stretch { from, until },
@@ -147,11 +144,12 @@ pub fn free_decay(samples: &[Sample], rest: Stretch, settings: &Settings) -> Opt
     })
 }
 
-/// The motor side stands still once what is left of its motion is this part of the vibration: a step
-/// by `e` adds a vibration of amplitude `e`, which turns its phase by 0.01 rad at most.
+/// Largest remaining motion of the motor side, relative to the vibration, that counts as standstill. A step by
+/// `e` adds a vibration of amplitude `e`, which turns its phase by 0.01 rad at most.
 const STANDSTILL: f64 = 0.01;
 
-/// From when on, before `latest`, the motor side stays within `tolerance` (rad) of where it is then.
+/// The instant, before `latest`, from which the motor side stays within `tolerance` (rad) of its position at
+/// `latest`.
 fn standstill(within: &[Sample], latest: f64, tolerance: f64) -> f64 {
     let last = within.partition_point(|s| s.time <= latest).max(1);
     let end = within[last - 1].motor_position;
@@ -160,11 +158,11 @@ fn standstill(within: &[Sample], latest: f64, tolerance: f64) -> f64 {
     within[still.map_or(0, |moving| (moving + 1).min(last - 1))].time
 }
 
-/// Leaves out first cycles whose logarithmic decrement stands out from the others': more than the mode
-/// decays in them.
+/// Leaves out first cycles whose logarithmic decrement is an outlier: something other than the mode decays in
+/// them.
 ///
-/// Out of line is what lies more than three standard deviations (of a normal distribution with the same
-/// median absolute deviation) off the median, among five cycles or more.
+/// An outlier is more than three standard deviations (of a normal distribution with the same median absolute
+/// deviation) off the median, among five cycles or more.
 fn steady(mut extrema: &[Extremum]) -> &[Extremum] {
     loop {
         let amplitude: Vec<f64> = extrema
@@ -193,7 +191,7 @@ fn median(values: &[f64]) -> f64 {
     sorted[sorted.len() / 2]
 }
 
-/// The longest run of extrema of which all neighbours are even.
+/// The longest run of extrema with evenly spaced neighbours.
 fn longest_run(found: &[Extremum], even: impl Fn(&[Extremum]) -> bool) -> &[Extremum] {
     let mut best = 0..0;
     let mut begin = 0;

@@ -1,13 +1,13 @@
-//! The batch fit of the whole recording: looked for in a part of it, followed over all.
+//! The batch fit of the whole recording: searched in a part of it, then continued over all.
 
 use quell_control::estimators::offline::{BatchFit, batch_fit, batch_fit_near};
 use quell_control::estimators::{Sample, Settings};
 
-/// Settings whose memory a recording bears out, and its batch fit with them.
+/// Settings with the memory that a recording supports, and its batch fit.
 ///
-/// The vibration is set free again after every one and a half periods if that halves the residual's
-/// variance (each for its own number of unknowns; by chance, with hundreds of samples, it changes by
-/// a tenth): then the motor side, as measured, does not drive what is seen.
+/// The vibration is set free again after every one and a half periods if that halves the residual's variance,
+/// with each fit's number of unknowns allowed for; with hundreds of samples chance changes it by a tenth. If
+/// so, the measured motion of the motor side does not explain the vibration.
 pub fn trusted_memory(samples: &[Sample], settings: Settings) -> (Settings, Option<BatchFit>) {
     let Some(carried) = batch_fit(samples, &settings, true) else {
         return (settings, None);
@@ -15,7 +15,7 @@ pub fn trusted_memory(samples: &[Sample], settings: Settings) -> (Settings, Opti
     let mut period = carried.mode.damped_period();
     let limit = 0.5 * carried.residual_std.powi(2);
     let mut shorter = None;
-    // Twice, as the first memory comes from a frequency that the long fit may have missed.
+    // Twice, since the frequency for the first memory may come from a poor fit.
     for _ in 0..2 {
         let settings = Settings {
             memory: 1.5 * period,
@@ -33,8 +33,8 @@ pub fn trusted_memory(samples: &[Sample], settings: Settings) -> (Settings, Opti
     (settings, Some(fit))
 }
 
-/// The fit of a part followed over all samples, and the samples that it is of. Where these lead it out of the range
-/// of frequencies it stays that of the part.
+/// The fit of a part continued over all samples, and the samples of the result. If it leaves the range of
+/// frequencies, the fit of the part is kept.
 pub fn follow<'a>(
     samples: &'a [Sample],
     part: &'a [Sample],

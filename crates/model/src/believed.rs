@@ -4,8 +4,8 @@ use quell_shapers::Mode;
 
 use quell_signal::JointArc;
 
-/// The text of a `flexible_joint` model: the mode, and where the tip turns about the joint, if the tip
-/// is what is measured.
+/// The text of a `flexible_joint` model: the mode and, if the tip is measured, the geometry of its circle about
+/// the joint.
 pub fn flexible_joint(mode: Mode, arc: Option<&JointArc>) -> String {
     let tip = arc.map(|arc| {
         format!(

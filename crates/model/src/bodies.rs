@@ -1,4 +1,4 @@
-//! Motor side and link at one instant: forces on them, and what friction needs to hold them.
+//! Motor side and link at one instant: the forces on them, and those of sticking friction.
 
 use super::attachment::Attachment;
 use crate::effects::{Inertia, Motion};
@@ -42,10 +42,10 @@ impl Bodies {
         }
     }
 
-    /// Applies the forces that leave nothing to slip where friction sticks, and gives them: what each
-    /// attachment must bear.
+    /// Adds the forces of sticking friction, by which nothing slips, and returns them for each attachment.
     ///
-    /// Two sticking attachments stop both bodies. Three share what two could bear: nothing is across.
+    /// Two sticking attachments stop both bodies. With three the distribution is not determined; the
+    /// transmission then gets no force.
     pub fn hold(&mut self, sticks: [bool; 3]) -> [f64; 3] {
         let [motor, link] = [self.acceleration(0), self.acceleration(1)];
         let [m, l] = self.mobility;

@@ -5,7 +5,7 @@
 //! J_l y'' = g_l F - B_l y' - k d - c d' - link forces  - transmission forces,     d = y - u
 //! ```
 //!
-//! A motor side that an encoder has measured is prescribed; one that stands still is fixed; an axis
+//! A motor side whose motion was measured by an encoder is prescribed; one that stands still is fixed; an axis
 //! without a spring has no link.
 
 use super::attachment::Attachment;
@@ -52,7 +52,7 @@ pub struct Chain {
     pub maps: Vec<Box<dyn crate::effects::Drive>>,
     /// The output of a sampled loop since its last tick.
     pub held: Option<f64>,
-    /// What couples a free motor side to its measured motion.
+    /// Coupling of a free motor side to its measured motion.
     pub pull: Option<Pull>,
 }
 
@@ -62,10 +62,10 @@ pub const RESONANCES: usize = 2;
 /// Position and velocity of motor side, link, further modes.
 pub type State = [f64; 4 + 2 * RESONANCES];
 
-/// All that follows from a state at an instant.
+/// Quantities of the chain at an instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Instant {
-    /// Where everything is; the motor side as the transmission sees it.
+    /// Positions and velocities; the motor side as the transmission sees it.
     pub motion: Motion,
     /// Position and velocity of the motor side, as an encoder sees it.
     pub encoder: [f64; 2],
@@ -75,8 +75,8 @@ pub struct Instant {
     pub link: f64,
     /// Accelerations of further modes.
     pub modes: [f64; RESONANCES],
-    /// Force on the motor side that the drive makes; where the link's position is the input, the
-    /// force that holds it there. In the equation's unit.
+    /// Force of the drive on the motor side; where the link's position is the input, the force that holds it
+    /// there. In the equation's unit.
     pub force: f64,
     /// Forces of sticking friction at each attachment, in the equation's unit.
     pub holding: [f64; 3],
@@ -122,7 +122,7 @@ impl Chain {
         self.evaluate::<true>(&constants, time, state, input)
     }
 
-    /// Where everything is. A linear chain looks at no laws.
+    /// Positions at a state. A linear chain evaluates no laws.
     #[inline(always)]
     pub(super) fn position<const LAWS: bool>(
         &self,
@@ -168,7 +168,7 @@ impl Chain {
         }
     }
 
-    /// The quantities that follow from a state, with those that do not change.
+    /// The quantities of a state; `constants` do not change during the motion.
     #[inline(always)]
     pub(super) fn evaluate<const LAWS: bool>(
         &self,
@@ -225,7 +225,7 @@ impl Chain {
         instant
     }
 
-    /// Adds what the laws do to the bodies; gives the forces of sticking friction.
+    /// Adds the forces of the laws to the bodies; returns the forces of sticking friction.
     #[inline(always)]
     fn resist(&self, motion: &Motion, ratio: f64, bodies: &mut Bodies) -> [f64; 3] {
         let unit = self.linear.unit_force;
@@ -248,20 +248,20 @@ impl Chain {
             if element.slides == 0.0 {
                 sticks[attachment as usize] = true;
             } else {
-                // Below 0 within a step that ends at a stop: the level goes on without a corner.
+                // Negative within a step that ends at a stop: the level continues without a corner.
                 let speed = element.slides * coordinate(attachment, motion)[1];
                 let force = element.law.level(element.slides, speed);
                 bodies.resist(attachment, unit * element.slides * force, ratio);
             }
         }
-        // What friction holds it holds against forces: the coupling, which is none, would break it away.
+        // Sticking friction holds against forces. The coupling is no force and must not break it away.
         if sticks[Attachment::Motor as usize] && self.pull.is_some() {
             bodies.bias[0] = 0.0;
         }
         bodies.hold(sticks)
     }
 
-    /// The force over the nominal inertia that a held link takes to be accelerated: `m y'' + m' y'^2 / 2`.
+    /// The force, divided by the nominal inertia, that accelerates a held link: `m y'' + m' y'^2 / 2`.
     fn reshaped(&self, motion: &Motion, acceleration: f64) -> f64 {
         let (time, [y, v]) = (motion.time, motion.link);
         let (mut factor, mut slope) = (1.0, 0.0);
@@ -273,7 +273,7 @@ impl Chain {
         factor * acceleration + 0.5 * slope * v * v
     }
 
-    /// Where a place is in this chain.
+    /// Attachment of a place in this chain.
     #[inline(always)]
     pub(super) fn attachment(&self, place: Place) -> Attachment {
         self.linear.attachment(place)
@@ -307,18 +307,18 @@ impl Chain {
     }
 }
 
-/// Where everything is.
+/// Positions and velocities.
 pub(super) struct Position {
     pub motion: Motion,
     /// Position and velocity of the motor side, as an encoder sees it.
     encoder: [f64; 2],
-    /// Velocity that the transmission sees for a unit velocity of the motor side.
+    /// Velocity at the transmission for a unit velocity of the motor side.
     ratio: f64,
     /// Prescribed accelerations of motor side and link.
     bias: [f64; 2],
 }
 
-/// The quantities that do not change while a chain moves.
+/// The quantities that do not change during the motion.
 pub(super) struct Constants {
     mobility: [f64; 2],
     viscous: [f64; 2],

@@ -2,9 +2,10 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-/// Blocks of time for the radius' deviation: enough degrees of freedom (19) for its own not to matter much.
+/// Blocks of time for the radius' standard deviation: with 19 degrees of freedom its own uncertainty hardly
+/// matters.
 const BLOCKS: usize = 20;
-/// How well a lever arm is known where it is no exact number, as a share of it: a millimetre in a metre.
+/// Relative uncertainty of a lever arm that is not an exact number: a millimetre in a metre.
 const KNOWN_TO: f64 = 1e-3;
 /// Odds by which a lever arm is taken for exact ("strong", Kass and Raftery 1995).
 const ODDS: f64 = 20.0;
@@ -14,7 +15,7 @@ const ODDS: f64 = 20.0;
 pub struct Radius {
     /// As the tracker shows it.
     pub seen: f64,
-    /// Its standard deviation, by a jackknife over blocks of time, which takes noise of any colour as it is.
+    /// Its standard deviation, by a jackknife over blocks of time, which is valid for noise of any colour.
     pub std: f64,
 }
 
@@ -27,8 +28,7 @@ pub(super) struct Circle {
 }
 
 impl Circle {
-    /// From angles (rad) and radii (m) about where the centre is taken to be; none where the arc is too
-    /// short to tell.
+    /// A circle from angles (rad) and radii (m) about the assumed centre; `None` where the arc is too short.
     pub(super) fn new(angle: &[f64], radius: &[f64], arm: f64) -> Option<Self> {
         let block = |k: usize| k * BLOCKS / angle.len().max(1);
         let mut blocks = [Sums::default(); BLOCKS];
@@ -53,8 +53,7 @@ impl Circle {
         Some(Self { sums, arm, radius })
     }
 
-    /// Whether the lever arm is exact: that it is, against that it is off by a millimetre in a metre, as
-    /// the radius bears out.
+    /// Whether the radius supports an exact lever arm against one that is off by a millimetre in a metre.
     fn arm_is_exact(&self) -> bool {
         let off = (self.radius.seen - self.arm) / self.radius.std;
         let loose = (KNOWN_TO * self.arm).hypot(self.radius.std) / self.radius.std;
@@ -65,7 +64,7 @@ impl Circle {
     pub(super) fn witness(&self) -> Vec<(Vec<f64>, f64)> {
         let normal = self.sums.normal;
         let exact = self.arm_is_exact();
-        // With R free its row and column are eliminated.
+        // If R is free, its row and column are eliminated.
         let schur = |i: usize, j: usize| match exact {
             true => normal[(i, j)],
             false => normal[(i, j)] - normal[(i, 0)] * normal[(0, j)] / normal[(0, 0)],
@@ -133,7 +132,7 @@ impl Sums {
         Some(self.normal.cholesky()?.solve(&self.right))
     }
 
-    /// Of the radial coordinate, in units of the lever arm.
+    /// Variance of the radial coordinate, in units of the lever arm.
     fn variance(&self) -> Option<f64> {
         let left = self.square - self.right.dot(&self.solved()?);
         Some((left / (self.normal[(0, 0)] - 3.0)).max(f64::MIN_POSITIVE))

@@ -4,12 +4,13 @@ use super::piecewise::{Cubic, Grid, RADIANS_A_STEP, smooth};
 use quell_signal::{CubicSpline, End};
 use std::sync::Arc;
 
-/// A spring and a damper, critical, from the motor side to where it was measured: `u'' = ... + w^2 (r - u) + 2 w (r' - u')`.
+/// A critically damped spring from the motor side to its measured position:
+/// `u'' = ... + w^2 (r - u) + 2 w (r' - u')`.
 ///
-/// Nothing in an axis that a force drives brings the motor side back: a force that is wrong by little makes an
-/// error that grows without bound. Coupled to the measured motion `r` the simulation forgets within `1 / w`: a
-/// force that is wrong by `dF` shows as `dF / (m w^2)`, where and when it is wrong. This is an observer of fixed gain, and
-/// what it leaves is its innovation.
+/// Nothing brings the motor side of a force-driven axis back, so that the error by a small force error grows
+/// without bound. Coupled to the measured motion `r`, the simulation has a memory of `1 / w` only. A force
+/// error `dF` then shows as `dF / (m w^2)`, where and when it occurs. This is an observer of fixed gain, and
+/// its residual is the innovation.
 ///
 /// Source: Forssell and Ljung, Identification of unstable systems using output error and Box-Jenkins model
 /// structures, IEEE Trans. Automatic Control 45 (2000); Abarbanel, Creveling, Farsian, Kostuk, Dynamical state and
@@ -18,14 +19,14 @@ use std::sync::Arc;
 pub struct Coupling {
     /// `w`, rad/s.
     pub rate: f64,
-    /// `r`, as smooth as the coupling needs.
+    /// `r`, as a spline.
     motion: Arc<CubicSpline>,
     /// The same between the nodes of a grid.
     pieces: Arc<[Cubic]>,
 }
 
 impl Coupling {
-    /// To samples of the motor side's motion; none where they are too few.
+    /// A coupling to samples of the motor side's motion; `None` where they are too few.
     pub(super) fn new([time, values]: [&[f64]; 2], rate: f64, grid: &Grid) -> Option<Self> {
         let (time, values) = smooth(time, values, RADIANS_A_STEP / rate);
         let motion = CubicSpline::new(&time, &values, End::NotAKnot).ok()?;
@@ -59,7 +60,7 @@ impl Coupling {
     }
 }
 
-/// A coupling on its way over the grid.
+/// A coupling with its position in the grid.
 #[derive(Clone, Debug)]
 pub struct Pull {
     coupling: Coupling,
@@ -68,7 +69,7 @@ pub struct Pull {
 }
 
 impl Pull {
-    /// In the first step of the grid.
+    /// At the first step of the grid.
     pub(super) fn new(coupling: Coupling, grid: &Grid) -> Self {
         let (start, piece) = (grid.time[0], coupling.pieces.first().copied());
         Self {
@@ -78,7 +79,7 @@ impl Pull {
         }
     }
 
-    /// In a step that starts at an instant.
+    /// Moves to a step and its start.
     #[inline]
     pub(super) fn go_to(&mut self, step: usize, start: f64) {
         (self.piece, self.start) = (self.coupling.pieces[step], start);
@@ -92,8 +93,8 @@ impl Pull {
         w * w * (r - position) + 2.0 * w * (rate - velocity)
     }
 
-    /// Position of a motor side that friction has held for a time `h` until an instant: the coupling, which is no force,
-    /// does not move it, but what it is wrong by is forgotten as in motion.
+    /// Position of a motor side that friction has held for a time `h` until an instant. The coupling is no
+    /// force and does not move it, but its error decays as in motion.
     pub(super) fn forgotten(&self, time: f64, position: f64, h: f64) -> f64 {
         let measured = self.piece.at(time - self.start)[0];
         measured + (position - measured) * (-self.coupling.rate * h).exp()

@@ -1,4 +1,4 @@
-//! Learned curves: what they look like, in words, and which named law is nearest.
+//! Learned curves: their description in words, and the nearest named law.
 
 mod energy;
 mod estimate;
@@ -13,15 +13,15 @@ pub use shape::{Growth, Shape, Trend};
 use crate::effects::{Effect, Motion, ParameterRole, Slot, curve, slip_distances};
 use nalgebra::{DMatrix, DVector};
 
-/// Quantile of the normal distribution that 2.5 % exceed: the half width of a 95 % band in standard deviations.
+/// 97.5 % quantile of the normal distribution: the half width of a 95 % band in standard deviations.
 pub const BAND: f64 = 1.959_963_985;
 
-/// A learned law as a curve, with how well it is known.
+/// A learned law as a curve, with its uncertainty.
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// The effect that was learned.
     pub effect: &'static Effect,
-    /// Where its law lives.
+    /// The slot of its law.
     pub slot: Slot,
     /// Values of its parameters.
     pub parameters: Vec<f64>,
@@ -33,17 +33,17 @@ pub struct Curve {
     pub values: DVector<f64>,
     /// Their covariance.
     pub covariance: DMatrix<f64>,
-    /// Their change with each ordinate.
+    /// Derivative of the values by each ordinate.
     parts: DMatrix<f64>,
 }
 
-/// Points at which a curve is looked at: several for each knot.
+/// Number of points of a curve: several for each knot.
 const POINTS: usize = 120;
 
-/// A velocity that is 0 but for its direction, as a share of the fastest.
+/// A velocity of 0 with a direction, as a share of the fastest.
 const AT_REST: f64 = 1e-9;
 
-/// Change of an ordinate of 1 by which its part in the curve is found.
+/// Step of an ordinate, of size 1, for its derivative.
 const CHANGE: f64 = 0.25;
 
 impl Curve {
@@ -121,7 +121,7 @@ pub(crate) fn ordinates(effect: &Effect) -> usize {
     own.filter(|p| p.role == ParameterRole::Ordinate).count()
 }
 
-/// Points over a range at which a law is looked at.
+/// Points over a range at which a law is evaluated.
 pub fn points(slot: Slot, range: (f64, f64)) -> Vec<f64> {
     over(slot, range, POINTS)
 }

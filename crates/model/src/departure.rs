@@ -1,9 +1,9 @@
-//! How far the start of a motion departs from what was measured of it.
+//! Differences between the start of a motion and its measured start.
 
 use super::chain::{RESONANCES, State};
 use std::ops::{Index, IndexMut};
 
-/// A number of the start.
+/// A component of the start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StartComponent {
     /// Position of the motor side.
@@ -43,7 +43,7 @@ impl StartComponent {
     }
 }
 
-/// A departure of each number of the start, in the units of the chain's state.
+/// A difference for each component of the start, in the units of the chain's state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Departure(State);
 

@@ -1,4 +1,4 @@
-//! One stretch of a recording as a model sees it: an input, and outputs to be predicted.
+//! One stretch of a recording as a model sees it: an input, and the outputs to be predicted.
 
 use super::circle::Radius;
 use super::coupling::Coupling;
@@ -18,26 +18,26 @@ pub struct Output {
     pub time: Vec<f64>,
     /// Values, SI.
     pub values: Vec<f64>,
-    /// Columns of what is added to the prediction with unknown coefficients: an offset, the frame.
+    /// Columns that are added to the prediction with unknown coefficients: an offset, the frame.
     pub columns: Vec<Vec<f64>>,
-    /// Knowledge of these coefficients from other coordinates of the sensor: rows `(weights, value)` of a
+    /// Information on these coefficients from other coordinates of the sensor: rows `(weights, value)` of a
     /// least-squares problem in units of one standard deviation.
     pub witness: Vec<(Vec<f64>, f64)>,
-    /// Radius of the circle on which a tracker saw the tip, where the arc tells it.
+    /// Radius of the tip's circle as the tracker saw it, if the arc determines it.
     pub radius: Option<Radius>,
-    /// Its gain at a first guess, where it is unknown; the last of the columns corrects it.
+    /// First guess of an unknown gain; the last of the columns corrects it.
     pub gain: Option<Gain>,
-    /// Errors are told as residual times this, in `unit`.
+    /// Factor from residuals to reported errors, which are in `unit`.
     pub scale: f64,
-    /// Unit in which errors are told.
+    /// Unit of reported errors.
     pub unit: String,
-    /// Whether its clock is not the input's.
+    /// Whether it has a clock of its own, different from the input's.
     pub own_clock: bool,
-    /// How much its clock reads too much, at a first guess, s.
+    /// First guess of the excess of its clock's reading, s.
     pub clock_offset: f64,
-    /// Noise that other coordinates of the sensor show, in the unit of the values.
+    /// Noise level of the other coordinates of the sensor, in the unit of the values.
     pub noise_witness: Option<f64>,
-    /// Step by which the coordinates are rounded that the values are made of, in the unit of the values.
+    /// Rounding step of the coordinates from which the values are computed, in the unit of the values.
     pub coordinate_step: Option<f64>,
 }
 
@@ -67,22 +67,22 @@ pub struct Experiment {
     pub outputs: Vec<Output>,
     /// Position of the motor side and deformation at the start, and their rates, as far as measured.
     pub initial: [f64; 4],
-    /// Where the motion starts anew; empty where the model does not drift.
+    /// Instants at which the motion is restarted; empty where the model does not drift.
     pub windows: Vec<Window>,
-    /// What couples a free motor side to its measured motion; none where it is simulated by itself.
+    /// Coupling of a free motor side to its measured motion; `None` where it is simulated by itself.
     pub coupling: Option<Coupling>,
-    /// Forces on the link and its inertia, as far as they are known over time.
+    /// Known forces on the link and its known inertia, over time.
     pub known: Known,
     /// Unit of positions.
     pub position_unit: String,
     /// Unit of the input.
     pub input_unit: String,
-    /// Unit of the model's forces: of the drive's input where no key says what force it makes, else N, N.m or that of a
-    /// measured force.
+    /// Unit of the model's forces: that of the drive's input where no key converts it to a force, else N, N.m
+    /// or that of a measured force.
     pub force_unit: String,
     /// The payload of the axis, as the recording calls it.
     pub payload: Option<String>,
-    /// The recording of a set that it is, or is a part of: what happened in one did not happen in another.
+    /// Index of its recording in a set; an event of one recording does not happen in another.
     pub recording: usize,
 }
 
@@ -99,14 +99,14 @@ impl Experiment {
         other
     }
 
-    /// Takes other nodes of the integration.
+    /// Sets other nodes of the integration.
     pub(super) fn set_grid(&mut self, grid: Grid) {
         self.coupling = self.coupling.take().map(|own| own.over(&grid));
         self.grid = grid;
     }
 
-    /// The same, its motor side coupled to the measured motion with this rate, rad/s, in one piece; itself where no
-    /// encoder shows the motor side.
+    /// The same in one piece, with its motor side coupled to the measured motion at this rate, rad/s; unchanged
+    /// where no encoder measures the motor side.
     #[must_use]
     pub fn coupled(&self, rate: f64) -> Self {
         let mut outputs = self.outputs.iter();

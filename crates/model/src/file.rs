@@ -1,4 +1,4 @@
-//! Model files: `model.toml`, read with the line of whatever is wrong in it.
+//! Model files: `model.toml`, read with the line of each error.
 //!
 //! ```toml
 //! kind = "rigid_axis"
@@ -128,7 +128,7 @@ impl Model {
         for (index, (key, entry)) in kind.keys.iter().zip(entries).enumerate() {
             model.values.push(match (entry, key.default) {
                 (Some(entry), Some(default)) if entry.is(default) => {
-                    // A term that is switched off has no scale in which it could be fitted.
+                    // A term that is switched off has no scale for a fit.
                     model.given[index] = key.range.0 <= default && default <= key.range.1;
                     default.into()
                 }
@@ -160,7 +160,7 @@ fn kind(table: &mut Table) -> Result<&'static Kind, ModelError> {
         return Err(entry.unknown(table.source, name, names()));
     }
     table.anchor(&entry);
-    // Two kinds of one name differ in what they must be told.
+    // Two kinds of one name differ in their required keys.
     let missing = |kind: &&&Kind| {
         let keys = kind.keys.iter();
         let needed = keys.filter(|key| key.default.is_none() && !table.holds(key.name));
@@ -214,7 +214,7 @@ fn value(source: &Source, entry: &Entry, range: (f64, f64)) -> Result<Value, Mod
             let wanted = "the first must be below the second, and the value between them";
             return Err(entry.refuse(source, format!("[{low:?}, {high:?}]: {wanted}")));
         }
-        // What makes no sense is not allowed by a wide bound either.
+        // A wide bound does not allow a meaningless value either.
         value.bounds = Some((low.max(range.0), high.min(range.1)));
     }
     if let Some(entry) = fixed {
@@ -262,7 +262,7 @@ fn effect(
     })
 }
 
-/// The place that the file gives, or the first one of the effect where it can sit in this kind.
+/// The place in the file, or the first place of the effect that this kind has.
 fn place(
     source: &Source,
     kind: &Kind,

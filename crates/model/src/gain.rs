@@ -1,29 +1,29 @@
-//! The gain between two positions of which one at least is in raw counts: nobody knows it.
+//! The unknown gain between two positions of which at least one is in raw counts.
 //!
-//! A link is where its motor side is, but for what bends: `y = g (u + a u'' + b u') + offset` while it moves slowly. `g` by
-//! least squares brings the reading to the motor side's unit. What is left to know of it is fitted with all else: the
-//! motion is a column beside the offset.
+//! In slow motion a link follows its motor side except for its deformation: `y = g (u + a u'' + b u') +
+//! offset`. `g` by least squares converts the reading to the motor side's unit. Its remaining error is fitted
+//! with everything else: the motion is a column beside the offset.
 
 use nalgebra::{DMatrix, DVector};
 use quell_recording::{Channel, Recording, Role};
 use quell_signal::{CubicSpline, End};
 
-/// Units in which a position has no scale.
+/// Units of positions without a scale.
 const RAW: &[&str] = &["count", "raw"];
 
-/// How the reading of a link was brought to the motor side's unit.
+/// Conversion of the reading of a link to the motor side's unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gain {
-    /// What the sensor shows for a unit of the motor side.
+    /// Reading of the sensor for a unit of the motor side.
     pub value: f64,
-    /// The unit of what it shows.
+    /// Unit of the reading.
     pub unit: String,
     /// The unit of the motor side.
     pub of: String,
 }
 
-/// Brings the link of a recording to the unit of its motor side, where the gain between them is unknown. The gain, and
-/// what an error of it adds: the motor side at the link's stamps.
+/// Converts the link of a recording to the unit of its motor side, if the gain between them is unknown. Returns
+/// the gain and the column for its error: the motor side at the link's stamps.
 pub fn unify(recording: &mut Recording) -> Option<(Gain, Vec<f64>)> {
     let of = |roles: &[Role]| {
         let mut channels = recording.channels.iter();
@@ -41,7 +41,7 @@ pub fn unify(recording: &mut Recording) -> Option<(Gain, Vec<f64>)> {
         link.time.iter().map(|&time| of(&spline, time)).collect()
     };
     let position = at(CubicSpline::value);
-    // A slow deformation is as the acceleration, and its damping as the rate.
+    // A slow deformation is proportional to the acceleration, its damping part to the rate.
     let slow = [
         at(CubicSpline::derivative),
         at(CubicSpline::second_derivative),
@@ -61,8 +61,8 @@ pub fn unify(recording: &mut Recording) -> Option<(Gain, Vec<f64>)> {
     Some((gain, position))
 }
 
-/// The slope of a reading over the first of some causes, beside an offset and the others; none where that one stands
-/// still.
+/// The slope of a reading over the first of some causes, fitted with an offset and the other causes; `None`
+/// where the first does not vary.
 pub(super) fn slope(causes: &[&[f64]], reading: &[f64]) -> Option<f64> {
     let centred = |values: &[f64]| {
         let values = DVector::from_column_slice(values);
@@ -70,7 +70,7 @@ pub(super) fn slope(causes: &[&[f64]], reading: &[f64]) -> Option<f64> {
     };
     let columns: Vec<DVector<f64>> = causes.iter().map(|own| centred(own)).collect();
     let size = columns.first()?.norm();
-    // Of one size, so that none is small beside another by its unit.
+    // Scaled to equal size, so that the units do not matter.
     let scaled: Vec<_> = columns
         .iter()
         .map(|own| own / own.norm().max(f64::MIN_POSITIVE))

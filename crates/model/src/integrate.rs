@@ -1,4 +1,4 @@
-//! Integration of a chain: Runge-Kutta of fourth order between events and instants.
+//! Integration of a chain: Runge-Kutta of fourth order between events and given instants.
 
 use super::chain::{Chain, MotorSide, State};
 use super::piecewise::Grid;
@@ -16,7 +16,7 @@ pub struct Kick {
     pub size: f64,
 }
 
-/// An instant at which the motion starts anew.
+/// An instant at which the motion is restarted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Restart {
     /// When, s.
@@ -25,14 +25,14 @@ pub struct Restart {
     pub state: [f64; 4],
 }
 
-/// The instants at which something is not smooth, in any order.
+/// The instants at which the motion is not smooth, in any order.
 #[derive(Clone, Debug, Default)]
 pub struct Timed {
     /// Instants at which a law jumps, s.
     pub breaks: Vec<f64>,
     /// Impulses on the link.
     pub kicks: Vec<Kick>,
-    /// Where the motion starts anew.
+    /// Restarts of the motion.
     pub restarts: Vec<Restart>,
 }
 
@@ -60,8 +60,8 @@ pub fn integrate(chain: &mut Chain, grid: &Grid, state: State, timed: &Timed) ->
     journey.end()
 }
 
-/// [`integrate`], shown in parts of about `nodes` nodes, the last one with `true`: so that a long motion
-/// need not be held. A part begins with the [`OVERLAP`] nodes that ended the one before.
+/// [`integrate`] in parts of about `nodes` nodes, the last one marked `true`, so that a long motion need not be
+/// kept in memory. A part begins with the last [`OVERLAP`] nodes of the one before.
 pub(super) fn integrate_in_parts(
     chain: &mut Chain,
     grid: &Grid,
@@ -85,28 +85,28 @@ pub(super) fn integrate_in_parts(
     see(&journey.end(), true);
 }
 
-/// Nodes that two parts of a motion share. The slope of a value that has none of its own is known where
-/// there is a node on either side: the last but one of a part, and the second of the next.
+/// Number of nodes that two parts of a motion share. A value without a slope of its own needs a node on either
+/// side: its slope is known at the last node but one of a part, and at the second node of the next.
 pub(super) const OVERLAP: usize = 3;
 
-/// Nodes of a step for which a part has room: its ends, and events as a rule.
+/// Nodes of a step for which a part has room: its ends, and the usual number of events.
 const MOST_NODES: usize = 16;
 
-/// A motion on its way over the grid.
+/// The integration in progress over the grid.
 struct Journey<'a> {
     stepper: Stepper<'a>,
     grid: &'a Grid,
     state: State,
     ticks: Ticks,
-    /// What happens at an instant, in order.
+    /// Events at given instants, in order.
     stops: Vec<(f64, Stop)>,
-    /// The next of these.
+    /// Index of the next one.
     next: usize,
     trace: Trace,
 }
 
 impl<'a> Journey<'a> {
-    /// At the first node; none where the grid has no step.
+    /// Starts at the first node; `None` where the grid has no step.
     fn new(
         chain: &'a mut Chain,
         grid: &'a Grid,
@@ -151,7 +151,7 @@ impl<'a> Journey<'a> {
             let instant = self.stepper.settle(&self.state, &span);
             self.trace.push(&instant, &self.state);
             let to = stop.min(t1);
-            // What happens at the end of a step has not happened within it.
+            // An event at the end of a step has not happened within it.
             span.last = if stop <= t1 { to.next_down() } else { to };
             let (state, trace) = (&mut self.state, &mut self.trace);
             self.stepper.advance(state, span, to, instant, trace);
@@ -162,7 +162,7 @@ impl<'a> Journey<'a> {
         }
     }
 
-    /// Lets happen what does at the start of a span; when the next thing does.
+    /// Applies the events at the start of a span; returns the time of the next one.
     #[inline]
     fn happen(&mut self, span: &Span) -> f64 {
         loop {
@@ -188,7 +188,7 @@ impl<'a> Journey<'a> {
         }
     }
 
-    /// The last node.
+    /// Adds the last node.
     fn end(mut self) -> Trace {
         let steps = self.grid.input.len();
         let span = Span {
@@ -228,7 +228,7 @@ fn stops(chain: &Chain, grid: &Grid, timed: &Timed) -> Vec<(f64, Stop)> {
             let Some(&at) = grid.time.get(node) else {
                 break;
             };
-            // The tick that took a sample is at the sample's stamp, which has been rounded.
+            // The controller read a sample at its stamp, which has been rounded.
             if (at - time).abs() <= SNAP * period {
                 time = at;
             }
@@ -240,7 +240,7 @@ fn stops(chain: &Chain, grid: &Grid, timed: &Timed) -> Vec<(f64, Stop)> {
     stops
 }
 
-/// Share of a controller's period by which stamps may be off its ticks.
+/// Largest difference of stamps from a controller's ticks, as a share of its period.
 const SNAP: f64 = 1e-3;
 
 /// Period of the loop that is sampled.
@@ -257,14 +257,14 @@ fn kicked(chain: &Chain, mut state: State, size: f64) -> State {
     state
 }
 
-/// A sampled position loop: what it saw at its last ticks.
+/// A sampled position loop: its readings at the last ticks.
 struct Ticks {
     /// Positions, the oldest first.
     before: VecDeque<f64>,
 }
 
 impl Ticks {
-    /// Before the first tick the axis moved as it does then.
+    /// Before the first tick the velocity is taken as constant.
     fn new(chain: &Chain, state: &State) -> Self {
         let (period, span) = match chain.linear.position_loop {
             Some(own) if own.sample_time > 0.0 => (own.sample_time, own.velocity_span),
@@ -291,5 +291,5 @@ impl Ticks {
     }
 }
 
-/// Longest difference of a sampled loop, in periods: what is longer is no velocity.
+/// Longest time of the velocity difference of a sampled loop, in periods.
 const MOST_PERIODS: f64 = 1000.0;

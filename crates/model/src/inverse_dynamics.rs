@@ -1,4 +1,4 @@
-//! The torque that a rigid axis takes for a motion.
+//! The torque of a rigid axis for a motion.
 
 use super::chain::Linear;
 use super::kind::{Key, Kind};

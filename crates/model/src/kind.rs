@@ -10,15 +10,15 @@ use quell_recording::Role;
 pub struct Key {
     /// Name in the file.
     pub name: &'static str,
-    /// Its unit, where the name does not say it.
+    /// Its unit, if the name does not contain it.
     pub quantity: Quantity,
-    /// Value if the file does not give it; none where it must. One outside the range switches a term
-    /// off: it may be written too, and is not fitted.
+    /// Value if the file does not give it; `None` if it must. A default outside the range switches a term off:
+    /// a file may contain it, too, and it is not fitted.
     pub default: Option<f64>,
-    /// Least and greatest value that makes sense.
+    /// Least and greatest meaningful value.
     pub range: (f64, f64),
-    /// Standard deviation of what an engineer believes who gives none: relative (of the logarithm) if
-    /// the range is above 0, absolute else. 0 for what is measured with a ruler and not fitted.
+    /// Usual standard deviation of an engineer's belief, if the file gives none: relative (of the logarithm) if
+    /// the range is above 0, absolute else. 0 for exactly known values, which are not fitted.
     pub belief: f64,
 }
 
@@ -28,11 +28,11 @@ pub struct Kind {
     pub name: &'static str,
     /// Its keys, in the order in which [`Kind::linear`] takes their values.
     pub keys: &'static [Key],
-    /// Channels that can drive it, the preferred one first.
+    /// Roles of channels that can drive it, the preferred one first.
     pub inputs: &'static [Role],
     /// Channels that it predicts.
     pub outputs: &'static [Role],
-    /// Places at which it can lack physics, when driven by this input.
+    /// Places of possible missing physics, when driven by this input.
     pub places: fn(Role) -> &'static [Place],
     /// Whether an input of this role can drive it, for these values of the keys.
     pub takes: fn(&[f64], Role) -> bool,
@@ -40,17 +40,18 @@ pub struct Kind {
     pub hold: fn(Role) -> Hold,
     /// The chain for values of the keys.
     pub linear: fn(&[f64], Role) -> Linear,
-    /// The chain's force for 1 N (1 N.m where the axis turns) on the link; none where the keys do not say it.
+    /// The chain's force for 1 N (1 N.m where the axis turns) on the link; `None` where the keys do not
+    /// determine it.
     pub newton: fn(&[f64]) -> Option<f64>,
-    /// Index of the keys that hold natural frequency (Hz) and damping ratio, where it has them.
+    /// Indices of the keys for natural frequency (Hz) and damping ratio, if it has them.
     pub mode: Option<(usize, usize)>,
     /// Whether forces are divided by the stiffness, so that they are in the unit of positions.
     pub normalised: bool,
 }
 
 impl Kind {
-    /// Values of the keys with the link's inertia this many times as large (the mass of a rigid axis): as
-    /// stiffness and damper stay, natural frequency and damping ratio fall with its root.
+    /// Values of the keys with the link's inertia (the mass of a rigid axis) multiplied by a factor. With
+    /// constant stiffness and damper, natural frequency and damping ratio fall with its root.
     pub fn loaded(&self, keys: &[f64], inertia: f64) -> Vec<f64> {
         let mut loaded = keys.to_vec();
         if let Some((frequency, damping)) = self.mode {

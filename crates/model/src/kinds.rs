@@ -1,8 +1,8 @@
-//! The kinds of models that there are, one file each.
+//! The kinds of models, one file each.
 
 use crate::kind::Kind;
 
-/// All kinds. Those of one name differ in the keys that they must be given.
+/// All kinds. Those of one name differ in their required keys.
 pub const KINDS: &[&Kind] = &[
     &crate::flexible_joint::FLEXIBLE_JOINT,
     &crate::rigid_axis::RIGID_AXIS,

@@ -1,13 +1,13 @@
-//! What is known of a joint over time: a force that acts on its link, the inertia of its link.
+//! Known time-varying quantities of a joint: a force on its link, the inertia of its link.
 //!
 //! ```text
 //! J(t) y'' = ... + F(t)          a link on a transmission: J(t) stands for the constant of the model
 //! (m + J(t)) u'' = ... + F(t)    an axis without a spring: beside what moves with its motor
 //! ```
 //!
-//! `F` is positive where it pushes in the direction of positive motion. All that else changes with the inertia, as
-//! centrifugal and Coriolis forces, belongs to `F`. Both are straight lines between their samples, and stay beyond the
-//! ends as they are there. An inertia in the unit `1` is a factor on the model's own, with any kind.
+//! `F` is positive in the direction of positive motion. Other forces that change with the inertia, such as
+//! centrifugal and Coriolis forces, must be part of `F`. Both are linear between their samples and constant
+//! beyond the ends. An inertia in the unit `1` is a factor on the model's own, with any kind.
 
 mod unit;
 
@@ -40,7 +40,7 @@ struct Series {
 }
 
 impl Known {
-    /// What a recording says, driven by a channel of this role and unit, its positions in that unit.
+    /// The known quantities of a recording; input role, input unit and position unit are in the `equation`.
     pub(super) fn of(
         model: &Model,
         recording: &Recording,
@@ -66,12 +66,12 @@ impl Known {
         Ok(known)
     }
 
-    /// Whether the inertia is known itself, and not only how it changes.
+    /// Whether the absolute inertia is known, and not only its relative change.
     pub fn says_inertia(&self) -> bool {
         self.inertia.as_ref().is_some_and(|own| !own.relative)
     }
 
-    /// How much faster the fastest vibration becomes by the least of the known inertia.
+    /// Factor on the fastest natural frequency at the least of the known inertia.
     pub(super) fn hastens(&self, linear: &Linear, newton: f64) -> f64 {
         let Some(inertia) = &self.inertia else {
             return 1.0;
@@ -82,7 +82,7 @@ impl Known {
         least.fold(1.0, f64::min).sqrt().recip()
     }
 
-    /// Puts it into a chain; `newton` is the chain's force for 1 N, or 1 N.m.
+    /// Adds the known quantities to a chain; `newton` is the chain's force for 1 N, or 1 N.m.
     pub(super) fn act_on(&self, chain: &mut Chain, newton: f64) {
         for series in &self.forces {
             let law = Box::new(Push {
@@ -142,7 +142,8 @@ impl Factor {
 impl Series {
     fn of(channel: &Channel) -> Result<Self, SignalError> {
         let (time, values) = (&channel.time, &channel.columns[0]);
-        // A spline refuses what has no course: fewer than two samples, what is not finite, a clock that stands.
+        // A spline refuses invalid series: fewer than two samples, values that are not finite, times that do
+        // not advance.
         quell_signal::CubicSpline::new(time, values, quell_signal::End::Natural)?;
         Ok(Self {
             time: time.clone(),
@@ -155,7 +156,7 @@ impl Series {
         let last = self.time.len() - 1;
         let time = time.clamp(self.time[0], self.time[last]);
         let share = (time - self.time[0]) / (self.time[last] - self.time[0]);
-        // Where the clock is even this is it already.
+        // With an even clock the guess is right.
         let guess = ((share * last as f64) as usize).min(last - 1);
         let k = match self.time[guess] <= time && time <= self.time[guess + 1] {
             true => guess,
@@ -166,7 +167,7 @@ impl Series {
     }
 }
 
-/// A known force: what resists the link is its negative.
+/// A known force, as a negative resistance.
 struct Push {
     series: Arc<Series>,
     scale: f64,

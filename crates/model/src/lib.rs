@@ -68,7 +68,7 @@ pub enum ExperimentError {
         /// Roles that can drive it.
         inputs: String,
     },
-    /// No channel that the model predicts.
+    /// No channel is one that the model predicts.
     #[error("recording \"{recording}\" has no channel that a {kind} predicts: one of {outputs}")]
     NothingPredicted {
         /// Name of the recording.
@@ -93,7 +93,7 @@ pub enum ExperimentError {
         /// The unit that it should have.
         wanted: String,
     },
-    /// A known force or inertia, and no inertia at which the believed frequency holds.
+    /// A known force or inertia without the inertia at which the believed frequency holds.
     #[error(
         "\"{recording}\" has {role}, but the model does not say at which inertia its natural frequency holds: give it \
          link_inertia"
@@ -126,7 +126,7 @@ pub enum ExperimentError {
         /// Its unit.
         unit: String,
     },
-    /// A channel is bad, or a sensor's frame cannot be learned.
+    /// A channel is invalid, or a sensor's frame cannot be determined.
     #[error(transparent)]
     Signal(#[from] SignalError),
 }
@@ -140,7 +140,7 @@ pub struct Value {
     pub std: Option<f64>,
     /// Bounds that the file gives.
     pub bounds: Option<(f64, f64)>,
-    /// Not to be fitted.
+    /// Whether it is excluded from the fit.
     pub fixed: bool,
 }
 
@@ -205,7 +205,7 @@ impl Model {
         (linear.stiffness * mobility).sqrt().max(f64::MIN_POSITIVE)
     }
 
-    /// The model at rest: what the laws of its effects see when nothing moves.
+    /// The model at rest, as the laws of its effects see it.
     pub fn still(&self) -> Motion {
         let linear = (self.kind.linear)(&self.keys(), self.kind.inputs[0]);
         Motion {
@@ -215,7 +215,7 @@ impl Model {
         }
     }
 
-    /// Whether a channel of this role can drive the model as it is.
+    /// Whether a channel of this role can drive the model with its present values.
     pub fn takes(&self, role: Role) -> bool {
         self.kind.inputs.contains(&role) && (self.kind.takes)(&self.keys(), role)
     }

@@ -1,4 +1,4 @@
-//! The linear part of a chain: what the keys of a model say.
+//! The linear part of a chain, from the keys of a model.
 
 use super::attachment::Attachment;
 use crate::effects::Place;
@@ -10,7 +10,7 @@ pub enum MotorSide {
     Prescribed,
     /// It stands still.
     Fixed,
-    /// It has an inertia and moves as the forces make it.
+    /// It has an inertia and moves under the forces.
     Free {
         /// Inertia, above 0.
         inertia: f64,
@@ -28,11 +28,10 @@ pub struct PositionLoop {
     pub velocity_gain: f64,
     /// Largest output; infinite where there is none.
     pub limit: f64,
-    /// Period of the controller, s: it reads the position at its ticks, takes the backward difference
-    /// for the velocity and holds its output. 0 for a loop that never sleeps.
+    /// Period of the controller, s. At its ticks it reads the position, computes the velocity by a backward
+    /// difference and sets its output, which is then held. 0 for a continuous loop.
     pub sample_time: f64,
-    /// Time over which a sampled loop takes the difference for the velocity, s: a whole number of periods,
-    /// at least one.
+    /// Time of the difference for the velocity of a sampled loop, s: a whole number of periods, at least one.
     pub velocity_span: f64,
 }
 
@@ -43,7 +42,7 @@ pub struct Linear {
     pub motor: MotorSide,
     /// Inertia and ground damping of the link, if there is one.
     pub link: Option<(f64, f64)>,
-    /// Whether the input is the link's position; the chain then says what force holds it there.
+    /// Whether the input is the link's position; the chain then gives the force that holds it there.
     pub link_is_input: bool,
     /// Inertia that such an input must accelerate, too.
     pub held_inertia: f64,
@@ -55,14 +54,14 @@ pub struct Linear {
     pub motor_gain: f64,
     /// Force on the link for one unit of input.
     pub link_gain: f64,
-    /// The loop that makes the input, if the input is a reference.
+    /// The loop that computes the drive's input, if the input is a reference.
     pub position_loop: Option<PositionLoop>,
     /// A law's force of 1 in the equation's unit.
     pub unit_force: f64,
 }
 
 impl Linear {
-    /// Nothing that moves: what a kind starts from.
+    /// A chain without moving parts, as the base of the kinds.
     pub const NONE: Self = Self {
         motor: MotorSide::Fixed,
         link: None,
@@ -76,12 +75,12 @@ impl Linear {
         unit_force: 1.0,
     };
 
-    /// Where a force at a place acts: one that is missing is where its neighbour is.
+    /// Attachment of a force at a place; a missing body is replaced by its neighbour.
     #[inline(always)]
     pub fn attachment(&self, place: Place) -> Attachment {
         match (place, self.link.is_some()) {
             (_, false) => Attachment::Motor,
-            // A spring to ground: what is across it is at the link, and so is the drive.
+            // A spring to ground: transmission and drive both act on the link.
             _ if self.motor == MotorSide::Fixed => Attachment::Link,
             (Place::Drive, _) => Attachment::Motor,
             (Place::Transmission, _) => Attachment::Across,

@@ -1,4 +1,4 @@
-//! From a recording to an experiment: which channel drives the model, which ones it predicts.
+//! From a recording to an experiment: which channel drives the model, and which ones it predicts.
 
 use super::chain::MotorSide;
 use super::effects::Law;
@@ -13,25 +13,25 @@ use super::{Departure, ExperimentError, Model, Term};
 use quell_recording::{Channel, Recording, Role};
 use quell_signal::{CubicSpline, End, noise_floor};
 
-/// Parts of a step that make the error of the integration nothing beside that of the input.
+/// Refinement at which the error of the integration is negligible beside that of the input.
 const FINER: f64 = 4.0;
 
-/// Steps in a long one. The classical Runge-Kutta method makes of a linear chain another one, whose frequency is wrong
-/// by `0.5^4 / 120 = 5e-4`: a fit in long steps finds that one.
+/// Length of a long step, in normal ones. For a linear chain the classical Runge-Kutta method is exact for
+/// another chain, whose frequency is wrong by `0.5^4 / 120 = 5e-4`: a fit with long steps finds that chain.
 const LONG: f64 = 2.0;
 
-/// Distance of two knots over what it should be, as they are samples.
+/// Largest ratio of a knot distance to its nominal value, since knots are samples.
 const LONGEST: f64 = 1.3;
 
-/// Share of the steps, or samples, that must be left at most for it to be worth while.
+/// Largest share of the steps, or samples, that may remain for a reduction to be worth it.
 const SPARED: f64 = 0.7;
 
-/// Difference of two predictions in standard deviations of a sensor's noise that is not seen: its square is
-/// below that by which chance moves the chi-squared of a million samples.
+/// Difference of two predictions, in standard deviations of a sensor's noise, that is not visible. Its square
+/// is below the scatter of the chi-squared of a million samples.
 const UNSEEN: f64 = 0.1;
 
 impl Experiment {
-    /// The recording as the model sees it; the grid is fine enough for the mode that it believes in.
+    /// The recording as the model sees it; the grid is fine enough for the believed mode.
     ///
     /// # Errors
     /// [`ExperimentError`] where the recording has no channel that can drive the model, none that it
@@ -40,7 +40,7 @@ impl Experiment {
         Self::of(model, recording.clone())
     }
 
-    /// [`Self::new`] of a recording that nobody else needs: its samples are not copied.
+    /// [`Self::new`] for a recording that is not needed any more: its samples are not copied.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -106,7 +106,8 @@ impl Experiment {
         Ok(experiment)
     }
 
-    /// A gain that is unknown, from what the model predicts where the motor side is prescribed: the link bends, too.
+    /// Refines an unknown gain with the model's prediction, if the motor side is prescribed: this includes the
+    /// link's deformation.
     fn refine_gain(&mut self, model: &Model) {
         let motor = (model.kind.linear)(&model.keys(), self.input).motor;
         let known = self.outputs.iter().all(|output| output.gain.is_none());
@@ -119,9 +120,9 @@ impl Experiment {
         }
     }
 
-    /// Takes an input that was sampled more densely than its motion needs as smooth as that motion, where no sensor
-    /// sees the difference: what an encoder rounds is no motion, but friction would stick and slide by it. So the modes
-    /// alone decide, and a model with friction sees the motion that the diagnosis saw which found it.
+    /// Smooths an input that was sampled more densely than its motion needs, if no sensor sees the difference:
+    /// friction would stick and slide on the encoder's rounding. The test uses the modes alone, so that a model
+    /// with friction gets the same input as the diagnosis that found the friction.
     fn smoothen(&mut self, model: &Model) {
         if self.hold != Hold::Spline {
             return;
@@ -147,7 +148,7 @@ impl Experiment {
                     ..self.clone()
                 }
             };
-            // In steps that are short beside what the input is.
+            // With steps that are short enough for an error below that of the input.
             if self.sees_no_difference(rough, &other(short / FINER).predicted(model, &modes)) {
                 *self = other(short);
                 return;
@@ -155,7 +156,7 @@ impl Experiment {
         }
     }
 
-    /// Whether two predictions of all outputs are the same to the sensors.
+    /// Whether the difference of two predictions is below the sensors' noise.
     fn sees_no_difference(&self, one: &[Vec<f64>], other: &[Vec<f64>]) -> bool {
         let pairs = one.iter().zip(other);
         let mut unseen = self
@@ -170,7 +171,7 @@ impl Experiment {
         unseen.all(|unseen| unseen)
     }
 
-    /// The same with long steps, where that spares some: for a search, which fits the keys to them.
+    /// The same with long steps, if that saves some, for a search that fits the keys with them.
     #[must_use]
     pub fn in_long_steps(&self, model: &Model) -> Option<Self> {
         let step = LONG * RADIANS_A_STEP / self.fastest(model);
@@ -188,7 +189,7 @@ impl Experiment {
         })
     }
 
-    /// The prediction of each output, its clock as a first guess has it.
+    /// The prediction of each output, with the first guess of its clock.
     fn predicted(&self, model: &Model, terms: &[Term]) -> Vec<Vec<f64>> {
         let clocks: Vec<f64> = self.outputs.iter().map(|o| o.clock_offset).collect();
         let start = &[Departure::default()];
@@ -196,12 +197,12 @@ impl Experiment {
         all.into_iter().map(|one| one.values).collect()
     }
 
-    /// Fastest angular frequency of the chain, rad/s, at the least of a known inertia.
+    /// Fastest angular frequency of the chain, rad/s, at the least known inertia.
     fn fastest(&self, model: &Model) -> f64 {
         model.fastest() * hastened(model, self.input, &self.known)
     }
 
-    /// Which channel drives the model.
+    /// Index of the channel that drives the model.
     fn input(model: &Model, recording: &Recording) -> Result<usize, ExperimentError> {
         let of = |role| recording.channels.iter().position(|c| c.role == role);
         let mut roles = model.kind.inputs.iter();
@@ -213,8 +214,8 @@ impl Experiment {
         })
     }
 
-    /// Where the chain starts: what the first samples of its sensors show of a motor side or a link that
-    /// the input does not prescribe. One on a prescribed motor side starts at rest on it.
+    /// Sets the start of the chain: the first samples of its sensors, for a motor side or a link that the input
+    /// does not prescribe. A link on a prescribed motor side starts at rest on it.
     fn measure_start(&mut self, motor: MotorSide) {
         let first = |role| {
             let mut outputs = self.outputs.iter();
@@ -239,14 +240,15 @@ impl Experiment {
     }
 }
 
-/// How much faster a known inertia makes the fastest vibration of a model.
+/// Factor of a known inertia on the fastest natural frequency of a model.
 fn hastened(model: &Model, input: Role, known: &Known) -> f64 {
     let keys = model.keys();
     let newton = (model.kind.newton)(&keys).unwrap_or(0.0);
     known.hastens(&(model.kind.linear)(&keys, input), newton)
 }
 
-/// The unit of positions: of the first channel that is one or is predicted, or that of a velocity.
+/// The unit of positions: that of the first channel that is a position and is input or predicted, or that of a
+/// velocity.
 fn position_unit(model: &Model, recording: &Recording, input: Role) -> String {
     let position = recording.channels.iter().find(|channel| {
         let role = channel.role;
@@ -261,8 +263,8 @@ fn position_unit(model: &Model, recording: &Recording, input: Role) -> String {
     }
 }
 
-/// The motion of a motor side of which only the velocity was measured: its integral by the spline through it, from
-/// 0 on.
+/// The motion of a motor side of which only the velocity was measured: the integral of the spline through it,
+/// from 0 on.
 fn motor_side(channel: Channel) -> Result<Channel, ExperimentError> {
     if channel.role != Role::MotorVelocity {
         return Ok(channel);

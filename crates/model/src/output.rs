@@ -1,4 +1,4 @@
-//! From a channel to an output of the model; a tip position becomes the angle about the joint's axis.
+//! From a channel to an output of the model. A tip position becomes the angle about the joint's axis.
 
 use super::circle::{Circle, frame_columns};
 use super::experiment::{Experiment, Output};
@@ -10,7 +10,7 @@ use quell_shapers::Mode;
 use quell_signal::{CubicSpline, End, JointArc, noise_floor, register_arc};
 use std::f64::consts::{PI, TAU};
 
-/// Fewest samples of an output that are worth looking at.
+/// Fewest samples of an output.
 const FEWEST: usize = 10;
 
 /// The channel as an output.
@@ -33,8 +33,8 @@ pub(super) fn output(
     if unit == "1" {
         unit = String::new();
     }
-    // A loop in the model steers by this encoder: what is an offset to it is one to the machine. A free
-    // offset would pass for the constant force that the loop holds with a lasting error.
+    // A loop in the model controls this encoder: an offset of the encoder is an offset of the machine. A free
+    // offset would take the place of the constant force that the loop balances by a lasting error.
     let looped = experiment.input == Role::CommandPosition && channel.role == Role::MotorPosition;
     let columns = match looped {
         true => Vec::new(),
@@ -61,8 +61,8 @@ pub(super) fn output(
     })
 }
 
-/// Whether an output has the clock of the input. A torque that is known of some of the stamps of a motion only has that
-/// clock, too.
+/// Whether an output shares the clock of the input. A torque that is given at some of the stamps of a motion
+/// shares it, too.
 fn on_one_clock(model: &Model, experiment: &Experiment, time: &[f64]) -> bool {
     let held = (model.kind.linear)(&model.keys(), experiment.input).held_inertia > 0.0;
     let mut all = experiment.input_time.iter();
@@ -72,9 +72,9 @@ fn on_one_clock(model: &Model, experiment: &Experiment, time: &[f64]) -> bool {
 
 /// The angle of a tip that a tracker follows in a frame of its own.
 ///
-/// Plane, circle and angle come from [`register_arc`]. What is uncertain of the circle's centre shows
-/// along the arc as `sin` and `cos` of the angle: these are free, held by what the radial coordinate
-/// says of them ([`Circle`]).
+/// Plane, circle and angle come from [`register_arc`]. An error of the circle's centre shows along the arc as
+/// `sin` and `cos` of the angle. Both are free coefficients, with the radial coordinate as prior information
+/// ([`Circle`]).
 fn tip(
     model: &Model,
     experiment: &Experiment,
@@ -134,7 +134,8 @@ fn tip(
     })
 }
 
-/// Root mean square of the steps of those coordinates that are rounded; along an arc the error is as large as that of each.
+/// Root mean square of the steps of the rounded coordinates. Along an arc the error is as large as that of
+/// each.
 fn coordinate_step(coordinates: &[Vec<f64>]) -> Option<f64> {
     let steps = coordinates
         .iter()
@@ -145,7 +146,7 @@ fn coordinate_step(coordinates: &[Vec<f64>]) -> Option<f64> {
 }
 
 impl Output {
-    /// Drops what was measured while nobody knows what drove the axis, unless that is nearly all.
+    /// Drops samples outside of the input's time range, unless that leaves too few.
     pub(super) fn keep_within(&mut self, (first, last): (f64, f64)) {
         let at = |instant: f64| instant + self.clock_offset;
         let from = self.time.partition_point(|stamp| *stamp < at(first));
@@ -161,7 +162,7 @@ impl Output {
         self.columns.iter_mut().for_each(cut);
     }
 
-    /// Frees what is left to know of a gain. Errors are told in what the sensor shows.
+    /// Frees the remaining error of a gain. Errors are reported in the unit of the reading.
     pub(super) fn scaled_by(&mut self, (gain, motor): (Gain, Vec<f64>)) {
         self.columns.push(motor);
         self.scale *= gain.value.abs();
@@ -169,7 +170,7 @@ impl Output {
         self.gain = Some(gain);
     }
 
-    /// Takes an unknown gain from a prediction, which becomes the column of what is left to know of it.
+    /// Refines an unknown gain with a prediction, which becomes the column of the remaining error.
     pub(super) fn refine_gain(&mut self, predicted: Vec<f64>) {
         let (Some(gain), Some(column)) = (&mut self.gain, self.columns.last_mut()) else {
             return;

@@ -24,11 +24,11 @@ impl Cubic {
         ]
     }
 
-    /// Where it turns round between two instants, in their order: the roots of its rate.
+    /// Its turning points between two instants, in their order: the roots of its rate.
     pub fn turns(&self, from: f64, to: f64) -> impl Iterator<Item = f64> + use<> {
         let [_, c, b, a] = self.0;
         let (a, b) = (3.0 * a, 2.0 * b);
-        // Of the two forms of each root the one that does not cancel; without roots NaN, never inside.
+        // For each root the form without cancellation. Without roots the value is NaN, which is never inside.
         let q = -0.5 * (b + (b * b - 4.0 * a * c).sqrt().copysign(b));
         let mut roots = [q / a, c / q];
         roots.sort_by(f64::total_cmp);
@@ -37,7 +37,7 @@ impl Cubic {
             .filter(move |root| *root > from && *root < to)
     }
 
-    /// The same polynomial from `s` on.
+    /// The same polynomial, starting at `s`.
     fn shifted(&self, s: f64) -> Self {
         let [value, rate, second] = self.at(s);
         Self([value, rate, second / 2.0, self.0[3]])
@@ -53,8 +53,8 @@ pub enum Hold {
     Linear,
     /// The value stays until the next sample: what a controller puts out.
     ZeroOrder,
-    /// A spline through local cubics, about so many seconds apart: positions that were sampled more densely than
-    /// their motion needs.
+    /// A spline through local cubics, at a spacing of about so many seconds, for positions that were sampled
+    /// more densely than their motion needs.
     Smooth(f64),
 }
 
@@ -95,7 +95,7 @@ impl Grid {
                 Hold::Linear => Cubic([values[k], slope, 0.0, 0.0]),
                 Hold::ZeroOrder => Cubic([values[k], 0.0, 0.0, 0.0]),
             };
-            // A hair below the quotient, so that an exact multiple is not divided once more.
+            // A hair below the quotient, so that an exact multiple is not divided further.
             let parts = (h / step * (1.0 - 1e-9)).ceil().max(1.0) as usize;
             for part in 0..parts {
                 let s = h * part as f64 / parts as f64;
@@ -111,8 +111,8 @@ impl Grid {
         Ok(grid)
     }
 
-    /// An input that is held from sample to sample, as its means over about a step each: what it does to something
-    /// slow is the same.
+    /// The grid of an input that is held from sample to sample, averaged over about a step each: the effect on
+    /// slow dynamics is the same.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -140,8 +140,8 @@ impl Grid {
     }
 }
 
-/// Stamps about so far apart, the first and the last among them, and at each the cubic that is nearest to
-/// the samples within as far of it: as much noise goes as a slower sensor that averages would have.
+/// Stamps at about this spacing, with the first and the last, and at each the value of the cubic fitted to the
+/// samples within one spacing. The noise is reduced as in a slower sensor that averages.
 ///
 /// Source: Savitzky and Golay, Analytical Chemistry 36 (1964); here for stamps that need not be regular.
 pub(super) fn smooth(time: &[f64], values: &[f64], spacing: f64) -> (Vec<f64>, Vec<f64>) {
@@ -153,7 +153,7 @@ pub(super) fn smooth(time: &[f64], values: &[f64], spacing: f64) -> (Vec<f64>, V
     )
 }
 
-/// Indices of the stamps that are nearest to one as far from the last, the first and the last stamp among them.
+/// Indices of the stamps nearest to a regular spacing, with the first and the last.
 fn spaced(time: &[f64], spacing: f64) -> Vec<usize> {
     let last = time.len().saturating_sub(1);
     let (mut knots, mut at) = (Vec::new(), 0);
@@ -172,8 +172,8 @@ fn spaced(time: &[f64], spacing: f64) -> Vec<usize> {
     knots
 }
 
-/// Value at a stamp of the cubic that is nearest to the samples within a step of it; the sample itself where
-/// there are no more than a cubic passes through.
+/// Value at a stamp of the cubic fitted to the samples within a step of it; the sample itself where there are
+/// no more than the cubic needs.
 fn local_cubic(time: &[f64], values: &[f64], at: usize, step: f64) -> f64 {
     let from = time.partition_point(|t| *t < time[at] - step);
     let to = time.partition_point(|t| *t <= time[at] + step);
@@ -185,7 +185,7 @@ fn local_cubic(time: &[f64], values: &[f64], at: usize, step: f64) -> f64 {
         let s = (time[k] - time[at]) / step;
         let row = Vector4::new(1.0, s, s * s, s * s * s);
         normal += row * row.transpose();
-        // About the sample itself, so that a large position loses no digits.
+        // Relative to the sample itself, so that a large position loses no digits.
         right += row * (values[k] - values[at]);
     }
     let solved = normal.cholesky().map(|c| c.solve(&right)[0]);

@@ -16,16 +16,17 @@ use crate::effects::{Drive, Effect, Law, Memory, Place, Sensor};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// An effect with numbers.
+/// An effect at a place with values of its parameters.
 #[derive(Clone)]
 pub struct Term {
-    /// Which.
+    /// The effect.
     pub effect: &'static Effect,
-    /// Where.
+    /// The place.
     pub place: Place,
     /// Its parameters.
     pub values: Vec<f64>,
-    /// The one [recording](Experiment::recording) of a set in which it happened; none of what is the machine's.
+    /// The [recording](Experiment::recording) of a set in which it happened; `None` for an effect of the
+    /// machine.
     pub recording: Option<usize>,
 }
 
@@ -50,7 +51,7 @@ impl Term {
         (self.effect, self.place)
     }
 
-    /// Whether it changes anything: where its size is neutral the motion is that without it, to the bit.
+    /// Whether it changes anything: with a neutral size the motion is identical to that without it.
     pub fn acts(&self) -> bool {
         !self.effect.vanishes(&self.values)
     }
@@ -73,10 +74,10 @@ pub struct Simulated {
     eyes: Eyes,
 }
 
-/// Nodes of a motion that is seen in parts: with 64 bytes each a megabyte, which a core's cache holds.
+/// Nodes of a part of a motion: at 64 bytes each a megabyte, which fits in a core's cache.
 const PART: usize = 16_384;
 
-/// An experiment that is ready to be simulated.
+/// A prepared experiment.
 struct Ready<'a> {
     chain: Chain,
     grid: Cow<'a, Grid>,
@@ -85,8 +86,7 @@ struct Ready<'a> {
     eyes: Eyes,
 }
 
-/// Simulates an experiment for values of the kind's keys, effects, and a departure of the start from what
-/// was measured.
+/// Simulates an experiment for values of the kind's keys, effects, and a departure from the measured start.
 pub fn simulate(
     kind: &Kind,
     keys: &[f64],
@@ -103,8 +103,8 @@ pub fn simulate(
     )
 }
 
-/// [`simulate`] with a departure for each window of the experiment, from what was measured where it
-/// starts; those of further modes count in the first alone.
+/// [`simulate`] with a departure for each window of the experiment, from its measured start. The further modes'
+/// departures count in the first window only.
 pub fn simulate_windows(
     kind: &Kind,
     keys: &[f64],
@@ -120,8 +120,8 @@ pub fn simulate_windows(
     }
 }
 
-/// The outputs as [`simulate_windows`] makes them, each with its clock's offset, to the bit. The motion
-/// itself is not kept: memory goes with the outputs alone.
+/// The outputs of [`simulate_windows`], each with its clock's offset, identical to the bit. The motion itself
+/// is not kept, so that memory is needed for the outputs only.
 pub fn predict_windows(
     kind: &Kind,
     keys: &[f64],
@@ -134,7 +134,7 @@ pub fn predict_windows(
     predict_in_parts(ready, &experiment.outputs, clocks, PART)
 }
 
-/// Shows the motion of [`simulate`] part by part.
+/// Passes the motion of [`simulate`] part by part.
 pub fn see_motion(
     kind: &Kind,
     keys: &[f64],
@@ -194,12 +194,12 @@ fn ready<'a>(
             &mut timed,
         );
     }
-    // None is known where the keys do not say what a newton is: such an experiment is refused.
+    // A known quantity needs the force of a newton. An experiment whose keys do not give it was refused before.
     experiment
         .known
         .act_on(&mut chain, (kind.newton)(keys).unwrap_or(0.0));
     if chain.linear.position_loop.is_some() {
-        // What has a memory waits for the reference; what has none is between the loop and the force.
+        // An effect with a memory acts on the reference; one without acts between the loop and the force.
         let (maps, late) = drives.into_iter().partition(|drive| drive.is_static());
         (chain.maps, drives) = (maps, late);
     }
@@ -275,7 +275,7 @@ fn add(
     }
 }
 
-/// The experiment's own grid, or one with the drive's effect in the input or with finer steps.
+/// The experiment's own grid, or one with the effects of the drive in the input, or with finer steps.
 fn grid<'a>(chain: &Chain, experiment: &'a Experiment, drives: &[Box<dyn Drive>]) -> Cow<'a, Grid> {
     let fastest = chain
         .resonances
@@ -283,7 +283,8 @@ fn grid<'a>(chain: &Chain, experiment: &'a Experiment, drives: &[Box<dyn Drive>]
         .map(|mode| mode.natural_frequency)
         .fold(0.0, f64::max);
     let coarse = experiment.grid.step();
-    // A further mode is smaller than the first; twice the step leaves 16 times the relative error.
+    // A further mode has a smaller amplitude, so that twice the step, with 16 times the relative error, is
+    // enough.
     let fine = fastest * coarse > 2.0 * RADIANS_A_STEP;
     if drives.is_empty() && !fine {
         return Cow::Borrowed(&experiment.grid);
@@ -302,7 +303,7 @@ fn grid<'a>(chain: &Chain, experiment: &'a Experiment, drives: &[Box<dyn Drive>]
     }
 }
 
-/// The state at the first node: at rest in equilibrium on the motor side, and the departure.
+/// The state at the first node: in equilibrium with the motor side, plus the departure.
 fn start(chain: &mut Chain, grid: &Grid, experiment: &Experiment, departure: &Departure) -> State {
     let mut state = [0.0; size_of::<State>() / size_of::<f64>()];
     let input = grid.input.first().map_or([0.0; 3], |cubic| cubic.at(0.0));
@@ -324,7 +325,7 @@ fn start(chain: &mut Chain, grid: &Grid, experiment: &Experiment, departure: &De
     state
 }
 
-/// Deformation at which nothing accelerates, friction aside: secants from the linear guess.
+/// Deformation in equilibrium without friction, by secant steps from the linear guess.
 fn equilibrium(chain: &mut Chain, time: f64, state: &State, input: [f64; 3]) -> f64 {
     if chain.forces.is_empty() {
         return 0.0;

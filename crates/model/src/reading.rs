@@ -5,7 +5,7 @@ use super::trace::{Kinematics, Trace, hermite, sloped};
 use crate::effects::{Reading, Sensor};
 use quell_recording::Role;
 
-/// The quantity that an output shows.
+/// The predicted readings of an output.
 #[derive(Clone, Debug, Default)]
 pub struct Prediction {
     /// Values at the stamps, in the unit of the output's values.
@@ -14,7 +14,7 @@ pub struct Prediction {
     pub rates: Vec<f64>,
 }
 
-/// How a motion is seen: the effects of the sensors, and what stands for the link.
+/// The observation of a motion: the effects of the sensors, and the quantity that stands for the link.
 pub(super) struct Eyes {
     pub sensors: Vec<Box<dyn Sensor>>,
     /// Shares of the further modes in what a sensor of the link sees.
@@ -26,8 +26,8 @@ pub(super) struct Eyes {
 }
 
 impl Eyes {
-    /// The effects of the sensor of an output. An encoder on the motor side is what the sensor of the link
-    /// is compared with.
+    /// The effects of the sensor of an output. They do not apply to an encoder on the motor side, which is the
+    /// reference for the sensor of the link.
     fn of(&self, output: &Output) -> &[Box<dyn Sensor>] {
         let at_motor = matches!(output.role, Role::MotorPosition | Role::MotorVelocity);
         match at_motor && self.elastic {
@@ -77,14 +77,14 @@ impl Eyes {
     }
 }
 
-/// Reads an output off a motion that comes in one part, or in several
+/// Reads an output from a motion in one part, or in several
 /// ([`integrate_in_parts`](super::integrate::integrate_in_parts)).
 pub(super) struct Reader<'a> {
     eyes: &'a Eyes,
     output: &'a Output,
-    /// How much the output's clock reads too much, s.
+    /// Excess of the output's clock, s.
     offset: f64,
-    /// The state of each filter at the node where the next part is taken up; empty before the first.
+    /// State of each filter at the first node of the next part; empty before the first part.
     filtered: Vec<Option<[f64; 2]>>,
     begun: bool,
     prediction: Prediction,
@@ -110,10 +110,10 @@ impl<'a> Reader<'a> {
         self.prediction
     }
 
-    /// Reads a part; the `last` one also shows what stays as it is after the motion.
+    /// Reads a part. The `last` one also gives the readings after the end of the motion.
     pub fn read(&mut self, trace: &Trace, last: bool) {
         let sensors = self.eyes.of(self.output);
-        // Slopes are known from the second to the last node but one, where two parts meet.
+        // Where two parts meet, slopes are known up to the last node but one, and from the second node on.
         let from = usize::from(self.begun);
         let to = trace.time.len() - if last { 1 } else { 2 };
         self.begun = true;
@@ -146,7 +146,7 @@ impl<'a> Reader<'a> {
             if !last && at > end {
                 return;
             }
-            // Before and after the record everything stays as it was.
+            // Before and after the record everything is constant.
             let at = at.clamp(first, end);
             k = part.interval(k, at);
             let [value, rate] = part.measured(k, at);
@@ -158,17 +158,17 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A part of a motion: what an output measures of it, and the motor side, at its nodes.
+/// A part of a motion: the measured quantity and the motor side at its nodes.
 struct Part<'a> {
     time: &'a [f64],
     curve: &'a [[f64; 2]],
     motor: &'a [Kinematics],
-    /// Whether what is measured is relative to the motor side.
+    /// Whether the measured quantity is relative to the motor side.
     relative: bool,
 }
 
 impl Part<'_> {
-    /// The interval that an instant is in, looked for from interval `k` on.
+    /// The interval of an instant, searched from interval `k` on.
     fn interval(&self, mut k: usize, at: f64) -> usize {
         while k + 2 < self.time.len() && self.time[k + 1] < at {
             k += 1;

@@ -1,9 +1,9 @@
-//! Where in a step something changes its sign.
+//! The instant in a step at which something changes its sign.
 
-/// The share in (0, `high`) at which a function falls through 0, `f(high) < 0` given: false position
-/// after Illinois. None where it is nowhere above 0.
+/// The share in (0, `high`) at which a function falls through 0, given `f(high) < 0`: the Illinois variant of
+/// false position. `None` if the function is nowhere above 0.
 ///
-/// Where it starts at 0, as a velocity that has just been let go, it is first followed upwards.
+/// If it starts at 0, for example the velocity after a release, it is first followed upwards.
 pub(super) fn first_root(f: impl Fn(f64) -> f64, mut high: f64) -> Option<f64> {
     let (mut low, mut at_low) = (0.0, f(0.0));
     let mut at_high = f(high);
@@ -17,7 +17,7 @@ pub(super) fn first_root(f: impl Fn(f64) -> f64, mut high: f64) -> Option<f64> {
             return None;
         }
     }
-    // Each round at least halves the bracket in the long run; a handful is usual.
+    // In the long run each round at least halves the bracket; a few are usual.
     for _ in 0..60 {
         if high - low < RESOLUTION || at_high == 0.0 {
             break;
@@ -35,10 +35,10 @@ pub(super) fn first_root(f: impl Fn(f64) -> f64, mut high: f64) -> Option<f64> {
     Some(high)
 }
 
-/// Shortest share of a step that an event lasts; a shorter one did not happen.
+/// Shortest duration of an event, as a share of a step; shorter ones are ignored.
 const SHORTEST: f64 = 1e-9;
 
-/// Share of a step to which a root is found; the step itself is no better.
+/// Accuracy of a root, as a share of a step; the step itself is no more accurate.
 const RESOLUTION: f64 = 1e-10;
 
 /// The first share at which the parabola through values at 0, 1/2 and 1 falls through 0, if one of the

@@ -1,18 +1,18 @@
-//! One step of the classical Runge-Kutta method, with what it shows of the way.
+//! One step of the classical Runge-Kutta method, with dense output.
 //!
 //! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sections II.1 and II.6.
 
 use super::chain::{Chain, Constants, Instant, MotorSide, RESONANCES, State};
 use super::piecewise::Cubic;
 
-/// Where in time a step is.
+/// Position of a step in time.
 #[derive(Clone, Copy)]
 pub(super) struct Span<'a> {
     /// Start of the piece of the input, s.
     pub t0: f64,
     /// Start of the step, s.
     pub from: f64,
-    /// Last instant that the laws may see, s: what happens at the step's end has not happened yet.
+    /// Last instant that the laws may see, s: events at the step's end have not happened yet.
     pub last: f64,
     /// The input from `t0` on.
     pub input: &'a Cubic,
@@ -39,7 +39,7 @@ pub(super) struct Trial {
     pub holding: [[f64; 3]; 2],
 }
 
-/// A step of a length from a state whose instant is known.
+/// A step of given length from a state with its accelerations.
 pub(super) type Step = fn(&Chain, &Constants, &Span, &State, &Instant, f64) -> Trial;
 
 /// The same, in place and without its stages.
@@ -109,8 +109,8 @@ fn slope<const MOTOR: bool, const LINK: bool, const MODES: usize>(
     slope
 }
 
-/// A step of length `h` from a state whose instant is known. `MOTOR`, `LINK`: what has a state; `LAWS`: whether there
-/// is more than the linear chain; `MODES`: for how many further modes there is room.
+/// A step of length `h` from a state with its accelerations. `MOTOR`, `LINK`: whether these have a state;
+/// `LAWS`: whether there is more than the linear chain; `MODES`: the number of further modes.
 #[inline(always)]
 fn trial<const MOTOR: bool, const LINK: bool, const LAWS: bool, const MODES: usize>(
     chain: &Chain,

@@ -1,9 +1,10 @@
-//! Steps that end where something is not smooth: friction that stops to slide or to stick, a corner
-//! of a force.
+//! Steps that end where the motion is not smooth: friction that stops to slide or to stick, a corner of a
+//! force.
 //!
-//! Friction does not change between steps: it sticks or slides one way. A sliding attachment whose velocity
-//! changes its sign within a step ends it there and sticks; at the start of every step what sticks
-//! is let go if it bears more than it can. So no step gains energy, however many events meet.
+//! Friction does not change its state within a step: it sticks or slides in one direction. If the velocity of a
+//! sliding attachment changes its sign, the step ends there, and the attachment sticks. At the start of every
+//! step sticking friction is released if it bears more than its limit. So no step gains energy, however many
+//! events coincide.
 //! Source: Karnopp, ASME J. Dynamic Systems, Measurement and Control 107 (1985), for the state
 //! machine; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.6, for the
 //! events.
@@ -16,16 +17,16 @@ use super::effects::Change;
 use super::runge_kutta::{Span, Step, Trial, Whole, steps};
 use super::trace::Trace;
 
-/// Events in one step after which it is taken as it is: a contact that chatters.
+/// Most events in one step; after these the step is taken as it is, since a contact chatters.
 const MOST_EVENTS: usize = 16;
 
-/// A relative velocity this small, as a share of the motor side's, is rounding.
+/// Relative velocity, as a share of the motor side's, that is only rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Share of a step by which the end of sticking is overshot: a nanosecond in a millisecond.
+/// Share of a step by which the end of sticking is passed: a nanosecond in a millisecond.
 const OVERSHOOT: f64 = 1e-6;
 
-/// Steps into which one may be divided while friction falls or rises with speed.
+/// Most divisions of a step while friction depends on the speed.
 const FINEST: f64 = 32.0;
 
 /// A chain in motion.
@@ -34,30 +35,30 @@ pub(super) struct Stepper<'a> {
     constants: Constants,
     step: Step,
     whole: Whole,
-    /// No event can happen.
+    /// Whether no event can happen.
     smooth: bool,
-    /// Nothing but the linear chain.
+    /// Whether there is only the linear chain.
     linear: bool,
-    /// Nothing moves by itself: the whole motion is the input.
+    /// Whether the input is the whole motion, without any dynamics.
     given: bool,
-    /// Corners of forces: index, sign of the switch.
+    /// Corners of forces: index, sign of the switching function.
     corners: Vec<(usize, f64)>,
     /// Breakaway force of an attachment in either direction, in the equation's unit, where it has friction.
     breakaway: [Option<[f64; 2]>; 3],
-    /// How the friction of an attachment falls or rises, where it does so slowly enough to be followed.
+    /// Dependence of an attachment's friction on the speed, if it is slow enough for the steps.
     falls: [Option<Fall>; 3],
     /// 0 sticks, otherwise the sign of the slip velocity.
     slides: [f64; 3],
 }
 
-/// Friction that falls or rises with speed.
+/// Friction whose level depends on the speed.
 #[derive(Clone, Copy)]
 struct Fall {
-    /// By how much the speed may change within a step.
+    /// Largest change of the speed within a step.
     step: f64,
-    /// Acceleration by which it does.
+    /// Acceleration by the whole change of friction.
     drop: f64,
-    /// Speed beyond which it changes no more.
+    /// Speed beyond which the friction is constant.
     until: f64,
 }
 
@@ -69,7 +70,7 @@ enum Event {
 }
 
 impl<'a> Stepper<'a> {
-    /// The chain at its first instant: what moves slides, memories begin.
+    /// The chain at its first instant: moving attachments slide, memories are initialised.
     pub fn new(chain: &'a mut Chain, span: &Span, state: &State, h: f64) -> Self {
         let (time, input) = span.at(0.0);
         let constants = Constants::new(&chain.linear);
@@ -112,7 +113,7 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// The quantities that follow from the state at the start of a span, once what bears too much is let go.
+    /// The quantities at the start of a span, after overloaded attachments have been released.
     #[inline]
     pub fn settle(&mut self, state: &State, span: &Span) -> Instant {
         let (time, input) = span.at(0.0);
@@ -144,13 +145,14 @@ impl<'a> Stepper<'a> {
             let Some(attachment) = self.overburdened(&instant.holding) else {
                 return instant;
             };
-            // Each turn lets one attachment go, so that there are at most three.
+            // Each pass releases one attachment, so that there are at most three.
             self.slides[attachment as usize] = instant.holding[attachment as usize].signum();
             self.set_sliding();
         }
     }
 
-    /// From the start of the span, whose instant is given, to `to`. What ends a step before that is a node.
+    /// Advances from the start of the span, with given accelerations, to `to`. Earlier ends of a step become
+    /// nodes.
     #[inline]
     pub fn advance(
         &mut self,
@@ -161,11 +163,11 @@ impl<'a> Stepper<'a> {
         trace: &mut Trace,
     ) {
         if self.given {
-            // Nothing is integrated: forces remember, and at the next instant friction has the sign of
-            // the motion that is given.
+            // Nothing is integrated: forces update their memories, and friction gets the sign of the prescribed
+            // motion.
             let from = span.from - span.t0;
             for turn in span.input.turns(from, to - span.t0) {
-                // A memory that turns with the motion sees how far it went.
+                // A memory that reverses with the motion must see the turning point.
                 self.remember(state, span.t0 + turn, span.input.at(turn));
             }
             self.remember(state, to, span.at(to - span.from).1);
@@ -227,7 +229,7 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// The longest step in which friction that falls or rises with speed can be followed.
+    /// The longest step for friction that depends on the speed.
     fn longest(&self, start: &Instant, h: f64) -> f64 {
         let mut longest = h;
         for attachment in self.rough() {
@@ -259,7 +261,7 @@ impl<'a> Stepper<'a> {
         (self.step)(self.chain, &self.constants, span, state, start, h)
     }
 
-    /// Attachments that have friction.
+    /// Attachments with friction.
     fn rough(&self) -> impl Iterator<Item = Attachment> + use<> {
         let breakaway = self.breakaway;
         ATTACHMENTS
@@ -267,13 +269,13 @@ impl<'a> Stepper<'a> {
             .filter(move |&attachment| breakaway[attachment as usize].is_some())
     }
 
-    /// The force that an attachment that sticks could bear besides the one that it bears.
+    /// The remaining capacity of a sticking attachment beyond its present force.
     fn spare(&self, attachment: Attachment, force: f64) -> f64 {
         let breakaway = self.breakaway[attachment as usize].unwrap_or_default();
         breakaway[usize::from(force < 0.0)] - force.abs()
     }
 
-    /// The sticking attachment that lacks most.
+    /// The most overloaded sticking attachment.
     fn overburdened(&self, holding: &[f64; 3]) -> Option<Attachment> {
         let spare =
             |attachment: &Attachment| self.spare(*attachment, holding[*attachment as usize]);
@@ -287,12 +289,12 @@ impl<'a> Stepper<'a> {
         self.slides[attachment as usize] == 0.0 && self.yields(attachment)
     }
 
-    /// Whether what slides at an attachment can be stopped there.
+    /// Whether a sliding attachment can be stopped.
     fn yields(&self, attachment: Attachment) -> bool {
         self.constants.mobility(attachment) > 0.0
     }
 
-    /// Hands the state of the attachments on to their frictions.
+    /// Sets the sliding states of the frictions.
     fn set_sliding(&mut self) {
         for index in 0..self.chain.frictions.len() {
             let attachment = self.chain.attachment(self.chain.frictions[index].place);
@@ -300,7 +302,7 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// The state at the end of a step of length `h`: what sticks stands still, memories move on.
+    /// The state at the end of a step of length `h`; sticking attachments stand still, memories are updated.
     fn accept(&mut self, state: &mut State, time: f64, input: [f64; 3], h: f64) {
         for attachment in self.rough() {
             if self.holds(attachment) {
@@ -343,8 +345,9 @@ impl<'a> Stepper<'a> {
     }
 }
 
-/// How friction falls or rises at each attachment. Stribeck velocities that steps of length `h` cannot follow become 0:
-/// the breakaway force then acts at rest only; so do transition velocities: the friction then jumps, and holds.
+/// Dependence of each attachment's friction on the speed. Stribeck velocities that are too small for steps of
+/// length `h` become 0: the breakaway force then acts at rest only. So do transition velocities: the friction
+/// then jumps, and sticks.
 fn falls(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<Fall>; 3] {
     let mut found: [Option<Fall>; 3] = [None; 3];
     for index in 0..chain.frictions.len() {
@@ -386,7 +389,7 @@ fn slip(instant: &Instant, attachment: Attachment) -> f64 {
     }
 }
 
-/// The sign of a switch; 0 at the corner.
+/// The sign of a switching function; 0 at the corner.
 fn sign(value: f64) -> f64 {
     match value {
         0.0 => 0.0,

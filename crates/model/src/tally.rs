@@ -1,4 +1,4 @@
-//! How many simulations were made: the work of a diagnosis.
+//! Count of simulations, as a measure of a diagnosis' work.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 

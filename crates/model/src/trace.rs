@@ -1,11 +1,11 @@
-//! A simulated motion at the nodes of its grid and where it is not smooth between them.
+//! A simulated motion at the nodes of its grid and at its events between them.
 
 use super::chain::{Instant, RESONANCES, State};
 
 /// Position, velocity and acceleration.
 pub type Kinematics = [f64; 3];
 
-/// A simulated motion; all series have one entry a node. Where a velocity jumps there are two nodes, a
+/// A simulated motion; all series have one entry a node. At a jump of a velocity there are two nodes, a
 /// rounding error apart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
@@ -17,8 +17,8 @@ pub struct Trace {
     pub link: Vec<Kinematics>,
     /// Further modes; empty where there are none.
     pub modes: Vec<[Kinematics; RESONANCES]>,
-    /// Force that the drive makes on the motor side; where the link's position is the input, the force
-    /// that holds it there.
+    /// Force of the drive on the motor side; where the link's position is the input, the force that holds it
+    /// there.
     pub force: Vec<f64>,
 }
 
@@ -33,7 +33,7 @@ impl Trace {
         }
     }
 
-    /// Adds a node; one that is not later than the last is the same.
+    /// Adds a node, unless it is not later than the last one.
     pub(super) fn push(&mut self, instant: &Instant, state: &State) {
         if self
             .time
@@ -75,8 +75,7 @@ pub fn hermite(t0: f64, t1: f64, from: [f64; 2], to: [f64; 2], t: f64) -> f64 {
     from[0] + s * (a + s * (c2 + s * c3))
 }
 
-/// Values with slopes by differences over two neighbours, and over one where the other is what was before a
-/// jump, or after it.
+/// Values with slopes from differences over both neighbours; next to a jump over one neighbour only.
 pub(super) fn sloped(time: &[f64], values: Vec<f64>) -> Vec<[f64; 2]> {
     let last = values.len() - 1;
     let apart = |a: usize, b: usize| time[b] > time[a].next_up();

@@ -1,4 +1,4 @@
-//! Windows of a recording under a model that forgets nothing.
+//! Windows of a recording for a model whose errors do not decay.
 
 use super::Model;
 use super::chain::MotorSide;
@@ -6,26 +6,26 @@ use super::experiment::{Experiment, Output, Window};
 use quell_recording::Role;
 use std::f64::consts::TAU;
 
-/// Longest window in periods of the mode: a damping ratio of 0.1 lets a vibration fall to a
-/// twentieth in five, so that a window holds it whole; what is longer shows the drift alone.
+/// Longest window, in periods of the mode. With a damping ratio of 0.1 a vibration falls to a twentieth in five
+/// periods, so that a window contains it; a longer one adds only drift.
 const PERIODS: f64 = 5.0;
 
 /// The same of a rigid axis, in its time constants `m / b`: after three a velocity has fallen to a twentieth.
 const TIME_CONSTANTS: f64 = 3.0;
 
-/// Least number of windows of a rigid axis, whose friction may be too little to end any: a third is held
-/// out, and a third of that is the least that shows a spread.
+/// Fewest windows of a rigid axis, whose friction may be too small to limit their length: a third is held out,
+/// and a third of that is the minimum for an estimate of scatter.
 const FEWEST: f64 = 9.0;
 
-/// Share of a period over which a rate is measured: the mode is straight in it to a hundredth.
+/// Share of a period over which a rate is measured; the mode is linear in it within a hundredth.
 const STRAIGHT: f64 = 0.05;
 
 /// Windows after the first of a motor side that a force drives freely.
 ///
-/// Nothing in such a model brings the motor side back: a force that is wrong by little makes an error
-/// that grows without bound, and no noise explains it (what held the machine in its place was feedback,
-/// which is not in the model). So the motion starts anew every few periods, from a state that is free:
-/// multiple shooting. A position loop in the model brings it back, and needs none.
+/// Nothing in such a model brings the motor side back: the error by a small force error grows without bound,
+/// and no noise explains it. (The feedback that held the machine in place is not in the model.) So the motion
+/// is restarted every few periods from a free state: multiple shooting. A position loop in the model brings the
+/// motor side back, and needs no restarts.
 ///
 /// Source: Bock, Recent advances in parameter identification techniques for ODE, Numerical Treatment of
 /// Inverse Problems in Differential and Integral Equations (1983).
@@ -66,7 +66,7 @@ pub(super) fn windows(model: &Model, experiment: &Experiment) -> Vec<Window> {
     (1..count as usize).map(start).collect()
 }
 
-/// The readings about an instant, by the straight line over this time on both sides.
+/// The readings at an instant, by a straight line over this time on both sides.
 fn state(experiment: &Experiment, time: f64, reach: f64) -> [f64; 4] {
     let mut state = [0.0; 4];
     let velocity = |output: &&Output| output.role == Role::MotorVelocity;
@@ -85,7 +85,7 @@ fn state(experiment: &Experiment, time: f64, reach: f64) -> [f64; 4] {
     state
 }
 
-/// How far a velocity led until an instant, by trapezia.
+/// Distance that a velocity covered until an instant, by the trapezoidal rule.
 fn travelled(output: &Output, time: f64) -> f64 {
     let until = output.time.partition_point(|t| *t <= time);
     let (times, values) = (&output.time[..until], &output.values[..until]);

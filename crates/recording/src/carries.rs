@@ -1,14 +1,14 @@
-//! Whether a channel carries anything: values that can be, and that vary.
+//! Whether a channel carries information: possible values that vary.
 
 use super::Channel;
 
-/// Magnitude in SI units beyond which nothing was ever measured: the universe has a diameter of 9e26 m.
+/// Largest possible magnitude of a value in SI units: the universe has a diameter of 9e26 m.
 const LARGEST: f64 = 1e27;
-/// The same for what varies: no length is smaller than Planck's, 1.6e-35 m.
+/// Smallest possible variation: no length is smaller than Planck's, 1.6e-35 m.
 const SMALLEST: f64 = 1e-35;
 /// A variation below this share of the largest value is the rounding of numbers written with nine digits.
 const ROUNDING: f64 = 1e-9;
-/// Characters that a number may take before it is told by its power of ten.
+/// Most characters of a number before it is written with its power of ten.
 const LONGEST: usize = 22;
 
 impl Channel {
@@ -34,23 +34,23 @@ impl Channel {
         self.columns.iter().map(|c| range(c)).fold(0.0, f64::max)
     }
 
-    /// The first value or stamp that no sensor and no clock gives: not finite, or above 1e27 in SI units.
+    /// The first value or stamp that is impossible: not finite, or above 1e27 in SI units.
     pub fn impossible(&self) -> Option<f64> {
         let values = self.columns.iter().flatten().chain(&self.time);
-        // Not a number is in no range either.
+        // NaN is in no range either.
         let possible = |value: f64| value.abs() <= LARGEST;
         values.copied().find(|value| !possible(*value))
     }
 }
 
-/// From the least value to the greatest; 0 where there is none.
+/// Greatest minus least value; 0 without any.
 fn range(values: &[f64]) -> f64 {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     (high - low).max(0.0)
 }
 
-/// A number with all its digits, or with its power of ten where these would fill the line.
+/// A number with all its digits, or with its power of ten where these would be too long.
 ///
 /// # Example
 /// ```

@@ -44,13 +44,13 @@ pub enum Problem {
     /// The folder holds no `recording.toml`.
     #[error("this folder has no recording.toml")]
     NoManifest,
-    /// A CSV file that does not say by itself what its columns are.
+    /// A CSV file whose columns are not clear from the file.
     #[error("what its columns are is not certain: {open}")]
     Uncertain {
-        /// What is not known, in a few words.
+        /// The open questions, in a few words.
         open: String,
     },
-    /// A format that is known, and not read.
+    /// A known format that cannot be read.
     #[error("{} is not read: {}", .0.name, .0.remedy)]
     Foreign(super::foreign::Foreign),
     /// A cell is no time of this unit.
@@ -195,7 +195,7 @@ impl RecordingError {
         from_io(error).in_file(file)
     }
 
-    /// Whether the operating system refused, rather than that the recording is none.
+    /// Whether the operating system refused; otherwise the recording is invalid.
     pub fn is_io(&self) -> bool {
         matches!(self.problem, Problem::Io(_) | Problem::Missing)
     }
@@ -251,7 +251,7 @@ impl Problem {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // What is in memory has no file.
+        // Data in memory have no file.
         if *self == Self::default() {
             return Ok(());
         }

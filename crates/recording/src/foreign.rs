@@ -1,13 +1,13 @@
-//! Formats that are known, and not read: what to do with each.
+//! Known formats that cannot be read, with a remedy for each.
 
 use std::path::Path;
 
-/// A format that is not read.
+/// A format that cannot be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Foreign {
     /// Its name, with an article.
     pub name: &'static str,
-    /// What makes of it something that is read.
+    /// How to convert it into a readable format.
     pub remedy: &'static str,
     /// Endings of its files.
     endings: &'static [&'static str],
@@ -15,7 +15,7 @@ pub struct Foreign {
     magic: &'static [&'static [u8]],
 }
 
-/// Formats that are known, and not read.
+/// Known formats that cannot be read.
 pub const FOREIGN: &[Foreign] = &[
     Foreign {
         name: "a MATLAB file",
@@ -59,13 +59,13 @@ pub const FOREIGN: &[Foreign] = &[
     },
 ];
 
-/// The format of a file by its ending, else by its first bytes; none where it may be text.
+/// The format of a file by its extension, else by its first bytes; `None` where it may be text.
 pub(super) fn of(path: &Path, bytes: &[u8]) -> Option<Foreign> {
     let begins = |format: &&Foreign| format.magic.iter().any(|magic| bytes.starts_with(magic));
     by_ending(path).or_else(|| FOREIGN.iter().find(begins).copied())
 }
 
-/// The format that a file has by its ending.
+/// The format of a file by its extension.
 pub(super) fn by_ending(path: &Path) -> Option<Foreign> {
     let ending = path.extension()?.to_str()?.to_ascii_lowercase();
     let ends = |format: &&Foreign| format.endings.contains(&ending.as_str());

@@ -1,4 +1,4 @@
-//! The health of a channel: its clock, its resolution, and what of it cannot be motion.
+//! The health of a channel: its clock, its resolution, and values that cannot be motion.
 //!
 //! A pure function from a channel to figures; [`remarks`] puts them into words.
 
@@ -14,7 +14,7 @@ pub use stretches::{Flat, FlatKind, flats, spikes, wraps};
 
 use super::Channel;
 
-/// The health of a channel, as its numbers alone tell it.
+/// The health of a channel, from its values alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Health {
     /// Its clock.

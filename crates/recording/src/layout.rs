@@ -24,18 +24,19 @@ pub struct Layout {
     pub only: Option<BTreeMap<String, String>>,
 }
 
-/// Separators that a file may have. Of equals the last wins, so that a header with none counts as comma-separated.
+/// Possible separators of a file. Of equals the last wins, so that a header without any counts as
+/// comma-separated.
 pub(super) const DELIMITERS: [char; 5] = ['|', ' ', '\t', ';', ','];
 
 impl Layout {
-    /// The separator: the one that is given, else the one of tab, `;` and `,` that the header has most of.
+    /// The separator: the given one, else the most frequent one of tab, `;` and `,` in the header.
     pub(super) fn delimiter_of(&self, header: &str) -> char {
         let count = |delimiter: &char| header.matches(*delimiter).count();
         let usual = DELIMITERS.into_iter().skip(2).max_by_key(count);
         self.delimiter.or(usual).unwrap_or(',')
     }
 
-    /// Whether a cell says that there is no sample.
+    /// Whether a cell marks a missing sample.
     pub(super) fn is_missing(&self, cell: &str) -> bool {
         let cells = self.missing.as_deref().unwrap_or_default();
         cells.iter().any(|missing| missing == cell)
@@ -49,7 +50,7 @@ impl Layout {
         }
     }
 
-    /// The line with the names, by its number from 0, and whether it is one of the comments; none without a header.
+    /// The line with the names, counted from 0, and whether it is a comment; `None` without a header.
     pub(super) fn header_line(&self, text: &str) -> Option<usize> {
         if self.header == Some(false) {
             return None;
@@ -61,7 +62,7 @@ impl Layout {
                 above = Some(number);
                 continue;
             }
-            // Numbers below a comment: the comment has the names.
+            // Numbers below a comment: the comment contains the names.
             return match above {
                 Some(comment) if self.is_numbers(line) => Some(comment),
                 _ => Some(number),
@@ -76,7 +77,7 @@ impl Layout {
         self.comment.is_some_and(|mark| line.starts_with(mark))
     }
 
-    /// Whether a line has numbers, and cells that are missing, only.
+    /// Whether a line contains only numbers and missing cells.
     pub(super) fn is_numbers(&self, line: &str) -> bool {
         let delimiter = self.delimiter_of(line);
         let mut cells = line.split(delimiter).map(str::trim).peekable();

@@ -105,26 +105,26 @@ struct Entry {
     offset: Option<Spanned<f64>>,
 }
 
-/// The files that a manifest names, each read once.
+/// The files of a manifest, each read once.
 #[derive(Default)]
 struct Files {
     tables: HashMap<PathBuf, (Layout, Table)>,
     mcap: HashMap<PathBuf, McapFile>,
-    /// Where stamps since an epoch begin.
+    /// Origin of stamps since an epoch.
     origin: Origin,
 }
 
-/// Stamps and columns as they stand in a file.
+/// Stamps and columns as in a file.
 type Numbers = (Vec<f64>, Vec<Vec<f64>>);
 
-/// Reads the recording that a manifest (or the folder of a `recording.toml`) describes; of several joints the one of
-/// this name.
+/// Reads the recording that a manifest (or the folder of a `recording.toml`) describes; of several joints the
+/// named one.
 pub(super) fn read(path: &Path, joint: Option<&str>) -> Result<Recording, RecordingError> {
     let path = locate(path)?;
     read_joint(&path, &text(&path)?, joint)
 }
 
-/// Reads the recordings of all joints that a manifest names.
+/// Reads the recordings of all joints in a manifest.
 pub(super) fn read_joints(path: &Path) -> Result<Vec<(String, Recording)>, RecordingError> {
     let path = locate(path)?;
     let text = text(&path)?;
@@ -140,7 +140,7 @@ pub(super) fn read_joints(path: &Path) -> Result<Vec<(String, Recording)>, Recor
     manifest.joints().into_iter().map(of).collect()
 }
 
-/// The text of a manifest, or of that which a CSV file alone means.
+/// The text of a manifest, or of the one proposed for an unambiguous CSV file.
 fn text(path: &Path) -> Result<String, RecordingError> {
     let is_manifest = path.extension().is_some_and(|ending| ending == "toml");
     if propose::is_csv(path) || !(is_manifest || path.is_dir()) {
@@ -152,7 +152,7 @@ fn text(path: &Path) -> Result<String, RecordingError> {
     })
 }
 
-/// The recording that the text of a manifest describes, with files beside `path`.
+/// The recording described by the text of a manifest, with files relative to `path`.
 fn read_joint(path: &Path, text: &str, joint: Option<&str>) -> Result<Recording, RecordingError> {
     let source = Source { path, text };
     let (manifest, mut files) = (source.manifest()?, Files::default());
@@ -173,7 +173,7 @@ fn read_joint(path: &Path, text: &str, joint: Option<&str>) -> Result<Recording,
 }
 
 impl Manifest {
-    /// The joints that its channels name, in their order.
+    /// The joints of its channels, in their order.
     fn joints(&self) -> Vec<String> {
         let mut joints: Vec<String> = Vec::new();
         for joint in self.channel.iter().filter_map(|entry| entry.joint.as_ref()) {
@@ -210,7 +210,7 @@ fn key(key: &'static str, reason: impl Into<String>) -> Problem {
     }
 }
 
-/// A manifest's path and text, to tell the line of what is wrong in it.
+/// A manifest's path and text, to find the line of an error.
 struct Source<'a> {
     path: &'a Path,
     text: &'a str,
@@ -251,7 +251,7 @@ impl Source<'_> {
         }
     }
 
-    /// The recording of a joint, of all channels where none is named.
+    /// The recording of a joint; of all channels where none is named.
     fn recording(
         &self,
         manifest: &Manifest,
@@ -317,7 +317,7 @@ impl Source<'_> {
         })
     }
 
-    /// The entry's file, which is there.
+    /// The entry's file, if it exists.
     fn file(&self, entry: &Entry) -> Result<PathBuf, RecordingError> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let path = folder.join(entry.file.get_ref());
@@ -329,7 +329,7 @@ impl Source<'_> {
     }
 }
 
-/// Leaves out the rows of which the stamp or a value is missing.
+/// Drops rows with a missing stamp or value.
 fn without_missing(time: &mut Vec<f64>, columns: &mut [Vec<f64>]) {
     let is_there = |row: usize| !(time[row].is_nan() || columns.iter().any(|c| c[row].is_nan()));
     let kept: Vec<bool> = (0..time.len()).map(is_there).collect();

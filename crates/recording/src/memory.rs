@@ -1,4 +1,4 @@
-//! Channels from numbers in memory, and what every channel must be.
+//! Channels from numbers in memory, and the checks of every channel.
 
 use super::error::{Problem, RecordingError, nearest};
 use super::{Channel, ROLES, Role, UNITS, Unit};
@@ -62,7 +62,7 @@ impl Channel {
         Ok(channel)
     }
 
-    /// Whether it is well formed, and what is wrong where it is not.
+    /// Checks that it is well formed; the error is a sentence.
     pub(super) fn check(&self) -> Result<(), String> {
         let Self {
             role,

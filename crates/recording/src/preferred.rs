@@ -1,6 +1,6 @@
-//! Units that a reader likes: millimetres rather than metres, degrees or milliradians.
+//! Units for display: millimetres rather than metres, degrees or milliradians.
 
-/// From which size on, by which factor, and in which unit.
+/// Least size, factor, and unit.
 type Row = (f64, f64, &'static str);
 
 /// For values of at least the size, the factor and the unit to show them in; the last one holds for
@@ -27,10 +27,10 @@ const PREFERRED: &[(&str, &[Row])] = &[
     ("s", &[(0.2, 1.0, "s"), (0.0, 1e3, "ms")]),
 ];
 
-/// Shares of a unit below which a smaller one is taken.
+/// Share of a unit below which a smaller one is used.
 const TOO_SMALL: f64 = 0.02;
 
-/// The unit that values are told in.
+/// The unit of displayed values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preferred {
     /// The factor of the values.
@@ -57,12 +57,12 @@ impl Preferred {
         }
     }
 
-    /// For misfits of this size beside a motion: its unit, or a smaller one.
+    /// For misfits of this size beside a motion: the motion's unit, or a smaller one.
     pub fn of_misfit(unit: &str, motion: f64, misfit: f64) -> Self {
         Self::of(unit, motion.max(misfit)).beside(misfit)
     }
 
-    /// The same unit for smaller values, unless they would nearly vanish in it.
+    /// The same unit for smaller values, unless they would be too small in it.
     #[must_use]
     pub fn beside(&self, size: f64) -> Self {
         match (size * self.factor).abs() >= TOO_SMALL {

@@ -10,7 +10,7 @@ use proptest::prelude::*;
 const VALID: &str = "name = \"x\"\n[[channel]]\nrole = \"motor_position\"\nfile = \"a.csv\"\n\
                      time = \"t\"\ncolumn = \"q\"\nunit = \"deg\"\n";
 
-/// Reads a folder of these two files and, if it can be read, tells its health.
+/// Reads a folder with these two files and, if that succeeds, computes its health.
 fn read_any(manifest: &[u8], csv: &[u8]) -> Result<(), RecordingError> {
     let folder = tempfile::TempDir::new().map_err(|error| from_io(&error).in_file("".as_ref()))?;
     for (name, bytes) in [(MANIFEST, manifest), ("a.csv", csv)] {

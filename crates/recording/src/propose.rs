@@ -1,4 +1,4 @@
-//! A manifest for CSV files that have none: what their columns may be, by their form, their names and their numbers.
+//! Proposed manifests for CSV files without one: guesses on their columns, from form, names and numbers.
 
 mod clock;
 mod columns;
@@ -15,29 +15,29 @@ use std::path::{Path, PathBuf};
 /// Endings of files that are read as text with columns.
 const ENDINGS: &[&str] = &["csv", "tsv", "txt", "dat", "asc", "log", "lvm", "prn", "gz"];
 
-/// A manifest that is proposed.
+/// A proposed manifest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposed {
     /// Its file name.
     pub name: String,
-    /// Its text; lines that are guessed say so.
+    /// Its text; guessed lines are marked.
     pub text: String,
 }
 
-/// What CSV files may be.
+/// Proposal for CSV files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Proposal {
     /// One manifest for each recording: a file may have several tests, and a folder several runs.
     pub manifests: Vec<Proposed>,
-    /// What is not certain, and matters: a role, a unit of time, a rate. A sentence each, without an end.
+    /// Open questions that matter: a role, a unit of time, a rate. One sentence each, without a full stop.
     pub open: Vec<String>,
 }
 
-/// Something that may be guessed.
+/// A value that may be a guess.
 #[derive(Clone, Debug)]
 struct Guess<T> {
     value: T,
-    /// Why it is thought so, where it does not stand in the file.
+    /// The reason for a guess; `None` if the value is in the file.
     why: Option<String>,
 }
 
@@ -52,7 +52,7 @@ impl<T> Guess<T> {
     }
 }
 
-/// Whether a file is one that has columns as text.
+/// Whether a file contains columns of text, by its extension.
 pub fn is_csv(path: &Path) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str());
     ending.is_some_and(|ending| ENDINGS.contains(&ending.to_ascii_lowercase().as_str()))
@@ -91,7 +91,7 @@ pub fn propose(path: &Path) -> Result<Proposal, RecordingError> {
     Ok(render::proposal(path, &contents))
 }
 
-/// The manifest of a CSV file that can only mean one thing.
+/// The manifest of an unambiguous CSV file.
 pub(super) fn certain(path: &Path) -> Result<String, RecordingError> {
     let mut proposal = match Content::known(path)? {
         Some(content) => render::proposal(path, &[content]),

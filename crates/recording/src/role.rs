@@ -1,4 +1,4 @@
-//! Roles: what a channel measures, and so where in the chain of the axis it sits.
+//! Roles: the quantity of a channel, and thus its place in the chain of the axis.
 
 use super::unit::Dimension::{self, *};
 use std::fmt;
@@ -39,7 +39,7 @@ pub enum Role {
     Inertia,
 }
 
-/// One line of the table of roles: the name in a manifest and what is usual for it.
+/// One line of the table of roles: the name in a manifest and the usual units.
 #[derive(Clone, Copy, Debug)]
 pub struct RoleEntry {
     /// The role.
@@ -123,7 +123,7 @@ const fn entry(
 impl Role {
     /// The role's line in [`ROLES`].
     pub fn entry(self) -> &'static RoleEntry {
-        // The table is in the order of the enum; the test below holds it to that.
+        // The table is in the order of the enum; a test checks that.
         &ROLES[self as usize]
     }
 
@@ -148,8 +148,8 @@ impl Role {
         )
     }
 
-    /// Whether the channel is what drives the machine, rather than what a sensor saw of it:
-    /// such channels are piecewise constant by intention.
+    /// Whether the channel drives the machine, rather than being measured: such channels are piecewise constant
+    /// by intention.
     pub fn is_input(self) -> bool {
         matches!(
             self,

@@ -1,6 +1,6 @@
-//! Where a recording is written to.
+//! The destination of a recording.
 
 use std::io::Write;
 
-/// A file that is open for writing, or what stands in for one. Nothing is done with it once it is flushed.
+/// An open file, or a stand-in for one. Nothing is done with it after the flush.
 pub type Sink = Box<dyn Write + Send + Sync>;

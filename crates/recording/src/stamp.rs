@@ -2,7 +2,7 @@
 
 use toml::value::Datetime;
 
-/// What a stamp is written in.
+/// The unit of a stamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeUnit {
     /// Seconds.
@@ -29,10 +29,10 @@ pub const TIME_UNITS: &[(TimeUnit, &str, i128)] = &[
     (TimeUnit::Iso, "iso", 1),
 ];
 
-/// Where stamps since an epoch begin: the whole second of the first of them, s. All channels of a recording share it.
+/// Origin of stamps since an epoch: the whole second of the first one, s. All channels of a recording share it.
 pub type Origin = Option<i128>;
 
-/// Stamps from here on, s, are counted from an epoch: no run lasts three years.
+/// Stamps, s, from which they count as since an epoch: no run lasts three years.
 const EPOCH: i128 = 100_000_000;
 /// Nanoseconds a second.
 const GIGA: i128 = 1_000_000_000;
@@ -56,9 +56,9 @@ impl TimeUnit {
         TIME_UNITS[self as usize].2 as f64 / GIGA as f64
     }
 
-    /// A cell in seconds; none where it is no time, or not finite.
+    /// A cell in seconds; `None` where it is no time, or not finite.
     ///
-    /// A stamp since an epoch is subtracted from the origin before it is rounded: a double has 0.2 us there.
+    /// The origin of an epoch is subtracted before rounding: a double has a resolution of 0.2 us there.
     pub fn seconds(self, cell: &str, origin: &mut Origin) -> Option<f64> {
         if self == Self::Iso {
             return Some(since(nanoseconds(cell)? * 10i128.pow(9), origin));
@@ -67,7 +67,7 @@ impl TimeUnit {
         let nanoseconds = TIME_UNITS[self as usize].2;
         let seconds = match self {
             Self::Minutes => value * 60.0,
-            // The power of ten is exact, and so the quotient is rounded once.
+            // The power of ten is exact, so that the quotient is rounded once.
             _ => value / (GIGA / nanoseconds) as f64,
         };
         match seconds.is_finite() {
@@ -81,7 +81,7 @@ impl TimeUnit {
     }
 }
 
-/// A number times so many nanoseconds, in units of 1e-18 s; none where it is written with a power of ten.
+/// A number times so many nanoseconds, in units of 1e-18 s; `None` for a number with a power of ten.
 fn exact(cell: &str, nanoseconds: i128) -> Option<i128> {
     let (whole, part) = cell.split_once('.').unwrap_or((cell, ""));
     let part = &part[..part.len().min(DIGITS)];

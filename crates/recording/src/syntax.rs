@@ -1,9 +1,9 @@
-//! What is wrong with a TOML file, on one line: where, which key or value, and what was probably meant.
+//! Errors of a TOML file in one line: the place, the key or value, and a suggestion.
 
 use super::error::nearest;
 use std::fmt;
 
-/// A file that is no TOML, or has a key that is unknown, missing or of another type.
+/// A file that is no TOML, or has an unknown or missing key or one of another type.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SyntaxError {
     /// Line, counted from 1; none where the whole file is meant.
@@ -13,7 +13,7 @@ pub struct SyntaxError {
 }
 
 impl SyntaxError {
-    /// The error of a reader of `text`. A misspelt key or name gets the nearest of those that the reader expects.
+    /// The error of reading `text`. For a misspelt key or name it suggests the nearest expected one.
     pub fn of(text: &str, error: &toml::de::Error) -> Self {
         let span = error.span();
         let line = span.map(|span| {

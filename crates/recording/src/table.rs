@@ -10,9 +10,10 @@ use super::stamp::{Origin, TimeUnit};
 use std::path::{Path, PathBuf};
 use text::{count_line_ends, first_row, line_start, single_spaces};
 
-/// A CSV file in memory: a header, and rows that are read when asked for.
+/// A CSV file in memory: a header, and rows that are parsed on demand.
 ///
-/// A byte order mark is dropped, blank lines are skipped, and a `#` before the first name of the header is no part of it.
+/// A byte order mark is dropped, blank lines are skipped, and a `#` before the first name of the header is
+/// ignored.
 #[derive(Clone, Debug)]
 pub struct Table {
     path: PathBuf,
@@ -22,17 +23,17 @@ pub struct Table {
     header: Vec<String>,
     /// Line of the header, counted from 1.
     header_line: usize,
-    /// Where the rows begin.
+    /// Start of the rows.
     body: Offset,
-    /// Columns and the cells that a row has in them; other rows are left out.
+    /// Columns, and the required cells of a row in them; other rows are left out.
     only: Vec<(usize, String)>,
 }
 
-/// Where a row begins in the text; its line is counted only for an error.
+/// Start of a row in the text; its line is counted only for an error.
 type Offset = usize;
 
 impl Table {
-    /// Reads a `.csv` or `.csv.gz` file; gzip is known by its first bytes, not by the name.
+    /// Reads a `.csv` or `.csv.gz` file; gzip is detected by its first bytes, not by the name.
     ///
     /// # Errors
     /// [`RecordingError`] where the file is missing, empty, damaged or not UTF-8.
@@ -40,15 +41,15 @@ impl Table {
         Self::open_as(path, &Layout::default())
     }
 
-    /// The same of a file that is written in this form.
+    /// The same for a file in this layout.
     ///
     /// # Errors
-    /// As [`Table::open`], and where the form names a column that is not there.
+    /// As [`Table::open`], and where the layout names a missing column.
     pub fn open_as(path: &Path, layout: &Layout) -> Result<Self, RecordingError> {
         Self::from_text(path, text(path)?, layout)
     }
 
-    /// A table of a text that is read already.
+    /// A table from a text in memory.
     ///
     /// # Errors
     /// As [`Table::open_as`].
@@ -116,7 +117,7 @@ impl Table {
         self.body().map(|row| row.map(|(_, record)| record))
     }
 
-    /// Columns as finite numbers, in the order of `names`; NaN for a cell that says that there is none.
+    /// Columns as finite numbers, in the order of `names`; NaN for a missing cell.
     ///
     /// # Errors
     /// [`RecordingError`] with line and column.
@@ -148,7 +149,8 @@ impl Table {
         self.advances(index, stamps)
     }
 
-    /// The same of stamps in a unit of time. Those since an epoch are told from `origin` on, which the first file gives.
+    /// The same for stamps in a unit of time. Stamps since an epoch are relative to `origin`, which the first
+    /// file sets.
     ///
     /// # Errors
     /// As [`Self::stamps`].
@@ -180,7 +182,7 @@ impl Table {
         self.advances(index, stamps)
     }
 
-    /// The stamps, where each that is there is above the one before.
+    /// Checks that each present stamp is above the one before.
     fn advances(&self, index: usize, stamps: Vec<f64>) -> Result<Vec<f64>, RecordingError> {
         let mut previous = f64::NEG_INFINITY;
         for (row, &stamp) in stamps.iter().enumerate().filter(|(_, s)| !s.is_nan()) {
@@ -198,8 +200,7 @@ impl Table {
         Ok(stamps)
     }
 
-    /// A column as stamps that lie within half a tick of the ticks of a rate in Hz, counted from
-    /// the first one.
+    /// A column as stamps that lie within half a tick of the ticks of a rate in Hz, counted from the first one.
     ///
     /// # Errors
     /// As [`Self::stamps`], and where a stamp does not lie there.
@@ -234,7 +235,7 @@ impl Table {
         problem(text).at_cell(&self.path, line, &self.header[column])
     }
 
-    /// Where a column is in the header; a `#` before the first name may be written or not.
+    /// Index of a column in the header; a `#` before the first name is optional.
     ///
     /// # Errors
     /// [`RecordingError`] where the header does not have it, or has it more than once.
@@ -252,7 +253,7 @@ impl Table {
         }
     }
 
-    /// The rows that are not left out.
+    /// The rows that are not filtered out.
     fn body(&self) -> impl Iterator<Item = Result<(Offset, csv::StringRecord), RecordingError>> {
         let is_meant = |record: &csv::StringRecord| {
             let holds = |(index, cell): &(usize, String)| record[*index].trim() == cell;
@@ -271,7 +272,7 @@ impl Table {
         rows.filter(move |row| row.as_ref().map_or(true, |(_, record)| is_meant(record)))
     }
 
-    /// The rows from an offset on, each with the place where it begins.
+    /// The rows from an offset on, each with its start.
     fn records(
         &self,
         from: Offset,
@@ -323,7 +324,7 @@ fn is_blank(record: &csv::StringRecord) -> bool {
     record.len() == 1 && record[0].trim().is_empty()
 }
 
-/// Marks before the first name of a header that are no part of it.
+/// Characters before the first name of a header that are ignored.
 fn marks(layout: &Layout) -> impl Fn(char) -> bool + Copy {
     let comment = layout.comment;
     move |letter: char| letter == '#' || Some(letter) == comment || letter == ' '

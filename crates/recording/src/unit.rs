@@ -1,4 +1,4 @@
-//! Units: from what a file is written in to SI.
+//! Units of files, and their conversion to SI.
 
 use std::f64::consts::{PI, TAU};
 

@@ -32,7 +32,7 @@ struct Entry<'a> {
 /// The source of files to write into.
 type Create<'a> = dyn FnMut(&Path) -> io::Result<Sink> + 'a;
 
-/// Refuses what would not be read back, or not as it is.
+/// Refuses a recording that could not be read back unchanged.
 pub(super) fn checked(recording: &Recording, folder: &Path) -> Result<(), RecordingError> {
     recording.channels.iter().try_for_each(|channel| {
         channel.check().map_err(|reason| {
@@ -45,7 +45,7 @@ pub(super) fn checked(recording: &Recording, folder: &Path) -> Result<(), Record
     })
 }
 
-/// Writes `recording.toml` and the channels' files into a folder that is there.
+/// Writes `recording.toml` and the channels' files into an existing folder.
 pub(super) fn write(
     recording: &Recording,
     folder: &Path,
@@ -113,7 +113,7 @@ fn csv(channel: &Channel, entry: &Entry, mut file: Sink, compress: bool) -> io::
     out.flush()
 }
 
-/// Numbers are written with as many digits as give the same number back.
+/// Numbers have as many digits as are needed to read back the same value.
 fn rows(channel: &Channel, entry: &Entry, out: &mut impl Write) -> io::Result<()> {
     let names = entry.column.iter().chain(entry.columns.iter().flatten());
     let mut out = csv::Writer::from_writer(out);

@@ -1,4 +1,4 @@
-//! The pages of the atlas, which a report carries: it is read where the book is not at hand.
+//! The pages of the atlas that a report includes, for readers without the book.
 
 use super::case::Case;
 use super::words;
@@ -8,17 +8,18 @@ use quell_page::Page;
 /// One article for each effect; the tests of the book write it.
 const ARTICLES: &str = include_str!("../assets/atlas.html");
 
-/// What an article has.
+/// Content of an article.
 const INSIDE: &str = "equation, fingerprint, what it is mistaken for, what to do";
 
-/// What the atlas says of an effect, as HTML; none of a learned law.
+/// The article on an effect, as HTML; `None` for a learned law.
 pub fn article(effect: &str) -> Option<&'static str> {
     let begins = format!("<article id=\"{effect}\">");
     let (_, rest) = ARTICLES.split_once(&begins)?;
     Some(rest.split_once("</article>")?.0)
 }
 
-/// The pages of all that a finding may be, folded: of a learned law that of the named law that stays inside its band.
+/// The folded pages of all effects that a finding may be; for a learned law that of the named law that stays
+/// inside its band.
 pub fn pages(page: Page, case: &Case, finding: &Finding) -> Page {
     let nearest = finding
         .learned()

@@ -1,21 +1,21 @@
-//! A diagnosis that is reported.
+//! A diagnosis for a report.
 
 use super::shown::{Shown, peak};
 use quell_diagnosis::{Diagnosis, Traces};
 use quell_model::effects::Catalogue;
 
-/// The case that all sections are made from.
+/// The data of all sections.
 pub struct Case<'a> {
-    /// The diagnosis that is told.
+    /// The diagnosis.
     pub diagnosis: &'a Diagnosis,
     /// The series that are drawn.
     pub traces: &'a Traces,
-    /// Where its effects stand.
+    /// The catalogue of its effects.
     pub catalogue: Catalogue,
 }
 
 impl<'a> Case<'a> {
-    /// Of a diagnosis that looked through the whole catalogue.
+    /// The case of a diagnosis that searched the whole catalogue.
     pub fn new(diagnosis: &'a Diagnosis, traces: &'a Traces) -> Self {
         Self {
             diagnosis,

@@ -6,7 +6,7 @@ use quell_diagnosis::{Finding, Verdict};
 use quell_model::effects::Place;
 use quell_page::{Page, Table, number};
 
-/// Every finding, what it means, what may be done about it, and its parameters.
+/// Every finding with its meaning, its remedy, and its parameters.
 pub fn section(page: Page, case: &Case) -> Page {
     let mut page = page;
     for finding in &case.diagnosis.findings {
@@ -24,7 +24,7 @@ pub fn section(page: Page, case: &Case) -> Page {
     table(alone.into_iter().fold(page, Page::text), case)
 }
 
-/// The effects that cannot be told apart.
+/// The effects that the data cannot distinguish.
 pub fn set(page: Page, case: &Case) -> Page {
     let mut page = page;
     for finding in &case.diagnosis.findings {
@@ -55,7 +55,7 @@ pub fn set(page: Page, case: &Case) -> Page {
     ))
 }
 
-/// What a finding may be, the likeliest first.
+/// The possible effects of a finding, the likeliest first.
 fn one_of_them(case: &Case, finding: &Finding) -> Table {
     let probability = |effect: &String| -> f64 {
         let candidates = case.diagnosis.candidates.iter();
@@ -87,7 +87,7 @@ fn one_of_them(case: &Case, finding: &Finding) -> Table {
     }
 }
 
-/// Whether all that cannot be told from a finding can sit at its place.
+/// Whether all alternatives of a finding can act at its place.
 fn sits_with_all(case: &Case, finding: &Finding) -> bool {
     let there = |name: &String| {
         let places = case.catalogue.effect(name);

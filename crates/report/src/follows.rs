@@ -1,4 +1,4 @@
-//! The coordinate that the missing part follows: its scatter over that, and how much each explains.
+//! The coordinate that the missing part follows: a scatter plot, and the share that each coordinate explains.
 
 use super::case::Case;
 use super::shares::percentages;
@@ -7,11 +7,11 @@ use super::words;
 use quell_diagnosis::CoordinateTrace;
 use quell_page::{Bars, Chart};
 
-/// Points of a scatter that are drawn at most.
+/// Most points of a scatter plot.
 const POINTS: usize = 2000;
-/// Stretches of a coordinate over which the missing force is averaged.
+/// Number of stretches of a coordinate over which the missing force is averaged.
 const STRETCHES: usize = 24;
-/// Samples that such an average needs.
+/// Fewest samples of such an average.
 const LEAST: usize = 4;
 
 /// The missing force over the coordinate that it follows best, and its mean.
@@ -65,7 +65,7 @@ pub fn scatter(case: &Case) -> Option<Chart> {
     })
 }
 
-/// Stretches of equal width that hold samples: coordinate, and mean less, alone, plus one deviation.
+/// Non-empty stretches of equal width: coordinate, and the mean minus, without and plus one deviation.
 fn averages(trace: &CoordinateTrace) -> [Vec<f64>; 4] {
     let pairs = trace.x.iter().copied().zip(trace.missing.iter().copied());
     let pairs: Vec<_> = pairs

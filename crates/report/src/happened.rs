@@ -1,11 +1,11 @@
-//! What happened in one recording, and is not the machine's.
+//! Events of a single recording, which do not belong to the machine.
 
 use super::case::Case;
 use super::{head, words};
 use quell_diagnosis::{Finding, OutputTrace};
 
-/// Says of a finding in which recordings it happened, and that the better model does not have it; nothing of what is
-/// the machine's.
+/// Sentence on the recordings in which a finding happened, and that the better model does not contain it;
+/// `None` for findings of the machine.
 pub fn of(finding: &Finding) -> Option<String> {
     let mut names: Vec<String> = Vec::new();
     for name in &finding.happened_in {
@@ -25,14 +25,14 @@ pub fn of(finding: &Finding) -> Option<String> {
     ))
 }
 
-/// When something happened in the recording of a trace, and what, in the order of time.
+/// Times and names of the events in the recording of a trace, in the order of time.
 pub fn times(case: &Case, trace: &OutputTrace) -> Vec<(f64, String)> {
     let mut all = Vec::new();
     for finding in &case.diagnosis.findings {
         let times = finding.parameters.iter();
         let times = times.filter(|own| own.name == "time" || own.name.starts_with("time_"));
         for (name, time) in finding.happened_in.iter().zip(times) {
-            // A trace bears its recording's name where there are several.
+            // With several recordings a trace has its recording's name.
             let several = trace.name.contains(": ");
             if !several || trace.name.starts_with(&format!("{name}: ")) {
                 all.push((time.value, case.title(&finding.effect)));
@@ -43,7 +43,7 @@ pub fn times(case: &Case, trace: &OutputTrace) -> Vec<(f64, String)> {
     all
 }
 
-/// What the better model alone leaves of the recordings; nothing where nothing happened.
+/// Residual of the better model without events; `None` without events.
 pub fn left_alone(case: &Case) -> Option<String> {
     let quality = case.diagnosis.fit.model_alone?;
     Some(format!(
@@ -52,7 +52,7 @@ pub fn left_alone(case: &Case) -> Option<String> {
     ))
 }
 
-/// The findings that the better model has.
+/// The findings that are in the better model.
 pub fn in_model(findings: &[Finding]) -> impl Iterator<Item = &Finding> {
     let stays = |finding: &&Finding| finding.happened_in.is_empty();
     findings.iter().filter(stays)

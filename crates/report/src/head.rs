@@ -62,7 +62,7 @@ fn arrow(before: String, after: String, has_after: bool) -> String {
     }
 }
 
-/// Held out where it is known, else over what was fitted.
+/// The held-out residual if known, else that of the fitted data.
 fn rms_of(quality: &Quality) -> f64 {
     match quality.held_out_rms.is_finite() {
         true => quality.held_out_rms,
@@ -85,7 +85,7 @@ fn over_noise(case: &Case) -> Figure {
     Figure::text("misfit, times the noise", value).note("1 is noise alone; on moves not fitted to")
 }
 
-/// A ratio with two digits behind the point, one from ten on, none from a hundred on.
+/// A ratio with two decimals, one from ten on, none from a hundred on.
 pub fn times(ratio: f64) -> String {
     match ratio {
         ratio if ratio < 10.0 => fixed(ratio, 2),
@@ -115,7 +115,7 @@ fn frequency(frequency: f64) -> Figure {
         .note("in the misfit's spectrum")
 }
 
-/// What is left on what was held out: in the unit of the recording, then in times the noise.
+/// The held-out residual: in the unit of the recording, then relative to the noise.
 pub fn left(case: &Case) -> String {
     left_by(case, &case.diagnosis.fit.after)
 }
@@ -131,7 +131,7 @@ pub fn left_by(case: &Case, quality: &Quality) -> String {
     )
 }
 
-/// The size of a finding, with its interval; of a learned law how large it becomes.
+/// The size of a finding, with its interval; for a learned law its largest value.
 fn size(case: &Case, finding: &Finding) -> Option<Figure> {
     if finding.learned().is_some() {
         return largest(case, finding);
@@ -147,7 +147,7 @@ fn size(case: &Case, finding: &Finding) -> Option<Figure> {
     Some(figure.unit(shown.unit.clone()).note(interval))
 }
 
-/// Where the curve of a law is farthest from 0.
+/// The value of a law's curve that is farthest from 0.
 fn largest(case: &Case, finding: &Finding) -> Option<Figure> {
     let curve = finding.curve.as_ref()?;
     let all = curve.values.iter().zip(&curve.ci95);

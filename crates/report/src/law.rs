@@ -6,11 +6,10 @@ use super::words;
 use quell_diagnosis::{Finding, LawCurve, NearestLaw};
 use quell_page::{Chart, Page};
 
-/// What a recording shows of a law.
+/// Legend of the data behind a law.
 const SEEN: &str = "what the recording says without it";
 
-/// What is known of a learned law: its shape, the named law that is nearest, and where it was learned. Nothing of a
-/// named law.
+/// Known properties of a learned law: its shape, the nearest named law, and its range. Empty for a named law.
 pub fn lines(case: &Case, finding: &Finding) -> Vec<String> {
     let (Some(curve), Some(learned)) = (&finding.curve, finding.learned()) else {
         return Vec::new();
@@ -21,7 +20,7 @@ pub fn lines(case: &Case, finding: &Finding) -> Vec<String> {
     said.into_iter().flatten().collect()
 }
 
-/// The words on a learned law, and the picture of any.
+/// The text on a learned law, and the picture of any law.
 pub fn section(page: Page, case: &Case, finding: &Finding) -> Page {
     let page = match lines(case, finding) {
         lines if lines.is_empty() => page,

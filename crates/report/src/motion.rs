@@ -7,12 +7,12 @@ use core::ops::Range;
 use quell_diagnosis::{OutputTrace, Verdict};
 use quell_page::{Chart, Page};
 
-/// Samples that the close look holds at least and at most.
+/// Fewest and most samples of the close look.
 const CLOSE: (usize, usize) = (60, 1500);
 /// Part of the recording that the close look shows.
 const CLOSE_PART: usize = 6;
 
-/// How many times larger the misfit was before, for the one after to get a chart of its own.
+/// Least ratio of the misfits before and after for a separate chart of the latter.
 const LARGER: f64 = 3.0;
 
 /// The names of the curves, on the whole page.
@@ -25,7 +25,7 @@ pub struct Names {
 
 const RECORDED: &str = "recorded";
 
-/// The curves of every report, in the order of their colours.
+/// The curves of a usual report, in the order of their colours.
 pub fn usual(case: &Case) -> [String; 3] {
     let Names { before, after } = names(case);
     [RECORDED.into(), before, after]
@@ -48,7 +48,7 @@ pub fn names(case: &Case) -> Names {
     }
 }
 
-/// Charts of the most telling output.
+/// Charts of the most important output.
 pub fn section(page: Page, case: &Case) -> Page {
     let Some(trace) = case
         .traces
@@ -128,7 +128,7 @@ fn residuals(case: &Case, trace: &OutputTrace, names: &Names) -> Chart {
         .note("A model that lacks nothing leaves noise: 95 % of its misfit stays in the grey band.")
 }
 
-/// The residual after, enlarged, where it is too small to be seen beside the one before.
+/// The residual after, enlarged, if it is too small beside the one before.
 fn enlarged(case: &Case, trace: &OutputTrace, names: &Names) -> Option<Chart> {
     let [before, after] = [&trace.before, &trace.after].map(|model| peak(&residual(trace, model)));
     if !case.has_after() || before < LARGER * after {
@@ -138,7 +138,7 @@ fn enlarged(case: &Case, trace: &OutputTrace, names: &Names) -> Option<Chart> {
     Some(over_time(case, chart, trace, &names.after, &trace.after))
 }
 
-/// A chart of misfit with the noise and what was held out.
+/// A chart of misfit with the noise and the held-out stretches.
 fn misfit(case: &Case, trace: &OutputTrace, title: &str) -> Chart {
     let shown = case.misfit_unit();
     let two = 2.0 * trace.noise_std * shown.factor;
@@ -151,7 +151,7 @@ fn over_time(case: &Case, chart: Chart, trace: &OutputTrace, name: &str, model: 
     chart.series(name, &trace.time, &values)
 }
 
-/// Marks what was held out of the fit.
+/// Marks the held-out stretches.
 fn held_out(chart: Chart, trace: &OutputTrace) -> Chart {
     let all = trace.held_out.iter().enumerate();
     all.fold(chart, |chart, (index, &[from, to])| {
@@ -186,7 +186,7 @@ fn part<'a>(values: &'a [f64], range: &Range<usize>) -> &'a [f64] {
     &values[range.start.min(end)..end]
 }
 
-/// Recorded less predicted; not a number where either is missing.
+/// Recorded minus predicted; NaN where either is missing.
 pub fn residual(trace: &OutputTrace, predicted: &[f64]) -> Vec<f64> {
     let of =
         |(index, recorded): (usize, &f64)| recorded - predicted.get(index).unwrap_or(&f64::NAN);

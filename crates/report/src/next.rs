@@ -1,4 +1,4 @@
-//! The next move: what would tell explanations apart.
+//! The next move, which separates explanations.
 
 use super::case::Case;
 use super::shown::digits;
@@ -35,7 +35,7 @@ fn table(next: &NextMove) -> Table {
     table
 }
 
-/// The unit in which a move is told.
+/// The unit in which a move is shown.
 pub fn shown_unit(one: &ProposedMove) -> &str {
     match one.unit.as_str() {
         "rad" => "deg",

@@ -1,4 +1,4 @@
-//! The report: what is wrong with the machine, in half a minute, then the evidence.
+//! The report: the verdict on one screen, then the evidence.
 
 use super::case::Case;
 use super::{findings, head, motion, next, place, ranking, record};
@@ -43,7 +43,7 @@ fn named(page: Page, case: &Case) -> Page {
     record::section(page, case)
 }
 
-/// The fit says nothing: no ranking, and no word on what was looked for.
+/// A page if the fit gives no information: without ranking, and without the search.
 fn untold(page: Page, case: &Case) -> Page {
     let page = motion::section(page, case);
     record::section(page, case)

@@ -1,4 +1,4 @@
-//! Where the mismatch sits: in the chain, in time, over a coordinate, in frequency.
+//! The place of the mismatch: in the chain, in time, over a coordinate, in frequency.
 
 use super::case::Case;
 use super::shares::percentages;
@@ -33,7 +33,7 @@ pub fn chain(page: Page, case: &Case) -> Page {
     }
 }
 
-/// What sits at a place without doubt.
+/// Effects that certainly act at a place.
 fn sure(case: &Case, place: &str) -> Vec<String> {
     let findings = case.diagnosis.findings.iter();
     let here = findings.filter(|finding| finding.place == place && finding.is_certain());
@@ -47,7 +47,7 @@ fn sure(case: &Case, place: &str) -> Vec<String> {
     sure
 }
 
-/// What may sit at a place: findings and alternatives that are in doubt.
+/// Effects that may act at a place: uncertain findings and alternatives.
 fn perhaps(case: &Case, place: &str) -> Option<String> {
     let findings = case.diagnosis.findings.iter();
     let doubtful = findings.filter(|finding| !finding.is_certain());
@@ -59,7 +59,7 @@ fn perhaps(case: &Case, place: &str) -> Option<String> {
     (!names.is_empty()).then(|| format!("perhaps {}", words::list(&names, "or")))
 }
 
-/// The place of a finding or of what may be there instead: that of the finding, where the catalogue allows it there.
+/// The place of a finding or of an alternative: that of the finding, if the catalogue allows it there.
 fn sits<'a>(case: &Case, finding: &'a Finding, name: &str) -> &'a str {
     let first = name.split(" + ").next().unwrap_or(name);
     let places = case
@@ -94,7 +94,7 @@ pub fn section(page: Page, case: &Case) -> Page {
     spectrum.into_iter().fold(page, Page::chart)
 }
 
-/// How the missing part is to be read.
+/// How to read the missing part.
 fn reading(case: &Case) -> &'static str {
     match case
         .diagnosis

@@ -1,4 +1,4 @@
-//! The ranking of the explanations that were considered.
+//! The ranking of the considered explanations.
 
 use super::case::Case;
 use super::shown::digits;
@@ -6,7 +6,7 @@ use super::{head, words};
 use quell_diagnosis::{Finding, Verdict};
 use quell_page::{Bars, Page, Table, fixed, number};
 
-/// Candidates that are drawn, and that are listed, at most.
+/// Most candidates that are drawn, and that are listed.
 const DRAWN: usize = 10;
 const LISTED: usize = 20;
 /// Percent of the misfit at which a bar is cut off.
@@ -45,7 +45,7 @@ fn introduction(case: &Case) -> String {
     }
 }
 
-/// What the data cannot tell of a finding; nothing where it is certain.
+/// Sentence on the doubt of a finding; `None` where it is certain.
 fn doubt(case: &Case, finding: &Finding) -> Option<String> {
     let name = case.title(&finding.effect);
     let others: Vec<_> = finding
@@ -127,7 +127,7 @@ fn table(case: &Case) -> Table {
     ))
 }
 
-/// For a model that lacks nothing: how much was looked for.
+/// For a model that lacks nothing: the extent of the search.
 pub fn nothing(page: Page, case: &Case) -> Page {
     let count = case.catalogue.0.len();
     let closest = match case.diagnosis.candidates.first() {

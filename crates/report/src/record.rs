@@ -1,4 +1,4 @@
-//! For the record: every output, what was fitted besides, remarks.
+//! Records: every output, the nuisances, remarks.
 
 use super::case::Case;
 use super::motion::residual;

@@ -1,12 +1,12 @@
-//! A score in words: the same wherever it is told.
+//! A score in words, the same everywhere.
 
 use super::head::times;
 use super::shown::Shown;
 use quell_diagnosis::Score;
 use quell_page::fixed;
 
-/// One line: error in the unit of the recording, over the noise, how much of the recording is explained, and what
-/// was fitted to it where that is not the whole in one piece.
+/// One line: error in the unit of the recording and relative to the noise, the explained share of the
+/// recording, and how it was fitted if not to the whole in one piece.
 pub fn score_line(score: &Score) -> String {
     let shown = Shown::from(score.shown());
     let unit = &shown.unit;

@@ -1,9 +1,9 @@
-//! Numbers as they are shown, in units that a reader likes.
+//! Numbers for display, in preferred units.
 
 use quell_page::number;
 use quell_recording::Preferred;
 
-/// How values of a unit are shown.
+/// Display unit of values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
     /// The factor of the values.
@@ -34,13 +34,13 @@ impl Shown {
         number(digits(value * self.factor, 3))
     }
 
-    /// A value to the digits that its interval carries: two of half the interval's width.
+    /// A value rounded to the accuracy of its interval: two digits of half the interval's width.
     pub fn quoted(&self, value: f64, interval: [f64; 2]) -> String {
         let half = 0.5 * (interval[1] - interval[0]).abs() * self.factor;
         to_digits_of(value * self.factor, half)
     }
 
-    /// `low to high`, to the digits that it carries.
+    /// `low to high`, rounded to its accuracy.
     pub fn interval(&self, interval: [f64; 2]) -> String {
         let [low, high] = interval.map(|edge| self.quoted(edge, interval));
         format!("{low} to {high}")
@@ -53,7 +53,7 @@ pub fn digits(value: f64, count: usize) -> f64 {
     rounded.parse().unwrap_or(value)
 }
 
-/// `value` to two significant digits of `spread`, with the zeros that they end in.
+/// `value` to two significant digits of `spread`, with trailing zeros.
 fn to_digits_of(value: f64, spread: f64) -> String {
     if !(spread.is_finite() && spread > 0.0 && value.is_finite()) {
         return number(value);
@@ -73,7 +73,7 @@ pub fn peak(values: &[f64]) -> f64 {
     finite.fold(0.0, |peak, value| peak.max(value.abs()))
 }
 
-/// The root mean square of the finite values; not a number where there are none.
+/// The root mean square of the finite values; NaN without any.
 pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0_usize);
     for value in values.filter(|value| value.is_finite()) {

@@ -126,7 +126,7 @@ fn fit(case: &Case) -> String {
     )
 }
 
-/// What `quell score` says of each recording as a whole: the same line.
+/// The line of `quell score` for each recording as a whole.
 fn scores(case: &Case) -> String {
     let line = |name: &str, which: &str, score| {
         format!("quell score of {name}, {which}: {}\n", score_line(score))
@@ -141,7 +141,7 @@ fn scores(case: &Case) -> String {
     all.collect()
 }
 
-/// What a learned law looks like, the remedy of a finding, and its alternatives.
+/// The shape of a learned law, the remedy of a finding, and its alternatives.
 fn what_to_know(case: &Case, finding: &Finding) -> Vec<String> {
     let name = words::capital(&case.title(&finding.effect));
     let others: Vec<_> = finding

@@ -1,4 +1,4 @@
-//! Effects and places as an engineer says them.
+//! Names of effects and places in plain words.
 
 use super::case::Case;
 use super::shown::Shown;
@@ -6,10 +6,10 @@ use quell_diagnosis::{Diagnosis, Finding, FittedParameter};
 pub use quell_model::effects::words as plain;
 use quell_model::effects::{ParameterRole, Place};
 
-/// Numbers below this size are told in parts per million.
+/// Size below which a number is shown in parts per million.
 const PER_MILLION: f64 = 1e-3;
 
-/// With a capital, to begin a sentence.
+/// With a capital letter, for the start of a sentence.
 pub fn capital(text: &str) -> String {
     let mut characters = text.chars();
     match characters.next() {
@@ -30,7 +30,7 @@ pub fn place(place: Place) -> &'static str {
     }
 }
 
-/// Where to look for what has no name, at a place of this name.
+/// Where to look for an unnamed mismatch at this place.
 pub fn look(place: &str) -> Option<&'static str> {
     Some(match Place::from_name(place)? {
         Place::Drive => "Look between the command and the motor side: amplifier, motor, bearings.",
@@ -51,7 +51,7 @@ pub fn at(name: &str) -> String {
     }
 }
 
-/// `a`, `a and b`, `a, b and c`, with any last joint.
+/// `a`, `a and b`, `a, b and c`, with this last conjunction.
 pub fn list(items: &[String], joint: &str) -> String {
     match items {
         [] => String::new(),
@@ -79,7 +79,7 @@ impl Case<'_> {
         names.map(|name| self.title(name)).collect()
     }
 
-    /// The title of a finding; one that is in doubt is told as that.
+    /// The title of a finding, marked if it is uncertain.
     pub(crate) fn told(&self, finding: &Finding) -> String {
         let title = self.title(&finding.effect);
         match finding.is_certain() {
@@ -99,8 +99,7 @@ impl Case<'_> {
         effect.map_or_else(|| plain(name), |effect| effect.parameter_title(name))
     }
 
-    /// The unit in which a parameter of an effect is told: a phase is an angle, a small number is told in parts per
-    /// million.
+    /// The unit of a displayed parameter: a phase is an angle, a small number is in parts per million.
     pub(crate) fn shown(&self, effect: &str, parameter: &FittedParameter) -> Shown {
         let FittedParameter {
             name, value, unit, ..
@@ -117,7 +116,7 @@ impl Case<'_> {
         }
     }
 
-    /// The parameter that says how large a finding is.
+    /// The parameter that gives the size of a finding.
     pub(crate) fn size<'f>(&self, finding: &'f Finding) -> Option<&'f FittedParameter> {
         let effect = self.catalogue.effect(&finding.effect)?;
         let size = effect.parameters[effect.size()].name;
@@ -137,7 +136,7 @@ impl Case<'_> {
     }
 }
 
-/// The parameters of a finding that are listed: a learned law is told as a curve.
+/// The listed parameters of a finding; a learned law is shown as a curve instead.
 pub fn numbers(finding: &Finding) -> &[FittedParameter] {
     match finding.learned() {
         Some(_) => &[],
@@ -145,7 +144,7 @@ pub fn numbers(finding: &Finding) -> &[FittedParameter] {
     }
 }
 
-/// A probability in percent; what rounds to certainty is not called certain.
+/// A probability in percent; a value that rounds to 100 or 0 is not shown as certain.
 pub fn percent(probability: f64) -> String {
     match 100.0 * probability {
         p if p > 99.0 => "> 99".into(),
@@ -154,7 +153,7 @@ pub fn percent(probability: f64) -> String {
     }
 }
 
-/// Whole sentences of `text`, the first and as many more as fit into `length` characters.
+/// Whole sentences of `text`: the first, and as many more as fit into `length` characters.
 pub fn sentences(text: &str, length: usize) -> String {
     let mut kept = 0;
     for (index, _) in text.match_indices(". ") {
@@ -171,10 +170,10 @@ pub fn sentences(text: &str, length: usize) -> String {
     text[..if whole { text.len() } else { kept }].into()
 }
 
-/// Whether the candidate belongs to what the diagnosis names, or cannot tell from it.
+/// Whether a candidate belongs to the diagnosis: it is named, or cannot be distinguished from what is named.
 ///
-/// An explanation by several effects carries its alternatives one by one: a candidate belongs to it
-/// where it names an alternative, alone or beside the other findings.
+/// With several findings an explanation lists its alternatives one by one: a candidate belongs to it if it
+/// names an alternative, alone or with the other findings.
 pub fn in_set(diagnosis: &Diagnosis, candidate: &str) -> bool {
     let parts: Vec<&str> = candidate.split(" + ").collect();
     let is = |finding: &Finding, part: &str| {

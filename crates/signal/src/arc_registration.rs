@@ -10,7 +10,7 @@ use super::clock_offset::fit_clock_offset;
 use super::registration::{centroid, check_points};
 use super::{Clock, CubicSpline, JointArc, SignalError};
 
-/// Where a tip sensor stands and what its clock reads, learned from one joint's recorded move.
+/// Frame and clock of a tip sensor, from one joint's recorded move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArcRegistration {
     /// Maps sensor coordinates to the robot's base frame.
@@ -19,21 +19,21 @@ pub struct ArcRegistration {
     pub clock: Clock,
     /// One standard deviation of its offset, s.
     pub clock_offset_std: f64,
-    /// How far the tip stands ahead of the motor side in this frame while nothing deforms the joint, rad, as the
-    /// fit of clock and mode tells it: the frame's error about the joint's axis. [`register_arc`] leaves none.
+    /// Angle of the tip ahead of the undeformed motor side in this frame, rad, by the fit of clock and mode:
+    /// the frame's error about the joint's axis. It is 0 after [`register_arc`].
     pub angle_error: f64,
     /// Root mean square distance of the tip from the plane of the arc, m: the sensor's noise.
     pub normal_rms: f64,
-    /// Root mean square distance from the circle, in its plane, m: noise, and a wrong lever arm.
+    /// Root mean square distance from the circle, in its plane, m: noise, and an error of the lever arm.
     pub radial_rms: f64,
-    /// Root mean square of what the fit of clock and mode leaves along the arc, m: noise, and all
-    /// that a single linear mode does not explain.
+    /// Root mean square residual of the fit of clock and mode along the arc, m: noise, and everything that a
+    /// single linear mode does not explain.
     pub tangential_rms: f64,
-    /// Radius that the points themselves would choose, m.
+    /// Radius fitted to the points, m.
     pub fitted_radius: f64,
     /// One standard deviation of it, m.
     pub fitted_radius_std: f64,
-    /// Mode that came out with the clock offset.
+    /// Mode from the fit of the clock offset.
     pub mode: Option<Mode>,
     /// Whether a damper to ground explained the record better.
     pub damper_to_ground: bool,
@@ -41,14 +41,14 @@ pub struct ArcRegistration {
 
 /// Registers a tip sensor to the base frame from one joint's move.
 ///
-/// `arc` is the tip's circle in the base frame. Plane and circle (of the arc's radius) are fitted to
-/// the points; the deformation, which is along the arc, does not disturb them. Clock offset and angle
-/// of the frame then follow from the motor position by
+/// `arc` is the tip's circle in the base frame. Plane and circle (of the arc's radius) are fitted to the
+/// points; the deformation is along the arc and does not affect them. Clock offset and angle of the frame then
+/// follow from the motor position by
 /// [`fit_clock_offset`], under the model's zero static gain.
 ///
 /// # Errors
-/// [`SignalError`] for bad series, [`SignalError::Degenerate`] where the arc is too short to be told
-/// from a line in the noise.
+/// [`SignalError`] for bad series, [`SignalError::Degenerate`] where the noise does not distinguish the arc
+/// from a line.
 pub fn register_arc(
     arc: &JointArc,
     motor: &CubicSpline,
@@ -90,7 +90,7 @@ pub fn register_arc(
     })
 }
 
-/// A stamp for each position, and positions that are numbers.
+/// Checks that each position has a stamp and is finite.
 pub(super) fn check_tip(time: &[f64], tip: &[Point3<f64>]) -> Result<(), SignalError> {
     if time.len() != tip.len() {
         let (left, right) = (time.len(), tip.len());
@@ -103,7 +103,7 @@ pub(super) fn check_tip(time: &[f64], tip: &[Point3<f64>]) -> Result<(), SignalE
     check_points("tip positions", tip)
 }
 
-/// The radius that the points themselves would choose, and one standard deviation of it, m.
+/// The radius fitted to the points, and one standard deviation of it, m.
 pub(super) fn fitted_radius(tip: &[Point3<f64>]) -> Result<(f64, f64), SignalError> {
     let flat = Plane::fit(tip)?.project(tip);
     let circle = Circle::algebraic(&flat)?.refine(&flat, true);
@@ -168,7 +168,8 @@ impl Plane {
         order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
         let axis = |k: usize| eigen.eigenvectors.column(order[k]).into_owned();
         let value = |k: usize| eigen.eigenvalues[order[k]].max(0.0);
-        // In the noise of a line both smaller spreads are alike; three times in amplitude apart.
+        // For a noisy line both smaller spreads are equal; an arc's differ by more than a factor of three in
+        // amplitude.
         if value(1) <= (9.0 * value(2)).max(1e-14 * value(0)) {
             let along = axis(0);
             return Err(SignalError::Degenerate {
@@ -208,8 +209,8 @@ struct Circle {
 }
 
 impl Circle {
-    /// Least squares of `|p|^2 = 2 c . p + (r^2 - |c|^2)`: closed form, biased on short noisy arcs,
-    /// good to start from.
+    /// Least squares of `|p|^2 = 2 c . p + (r^2 - |c|^2)`: closed form, biased on short noisy arcs, used as a
+    /// start.
     ///
     /// Source: Kasa, "A circle fitting procedure and its error analysis", IEEE Trans. Instrumentation
     /// and Measurement 25 (1976).

@@ -21,11 +21,11 @@ pub struct ClockFit {
     pub offset_std: f64,
     /// Constant of the measured angle: angle minus link position, rad.
     pub angle_offset: f64,
-    /// The joint's mode as it came out of the same fit; absent where the record shows no vibration.
+    /// The joint's mode from the same fit; absent where the record shows no vibration.
     pub mode: Option<Mode>,
     /// Whether a damper to ground explains the record better than one across the joint.
     pub damper_to_ground: bool,
-    /// Root mean square of what the fit leaves, rad.
+    /// Root mean square residual of the fit, rad.
     pub rms: f64,
 }
 
@@ -33,17 +33,15 @@ pub struct ClockFit {
 /// position and `delta'' + 2 xi w delta' + w^2 delta = -u'' - c u'` (`c` = 0, or `2 xi w` for a damper
 /// to ground).
 ///
-/// The vibration cannot be left out: a clock that is late by `tau` looks like `tau u'`, and a joint
-/// that gives way like `u'' / w^2` plus the ringing it leaves, which on a short record is not
-/// orthogonal to `u'`. So offset, constant, mode and initial vibration are fitted together; no mode
-/// has to be known, `belief` only adds a starting point. Offsets up to 0.2 s are found. With a damper
-/// to ground the joint itself lags by `2 xi / w` (3.3 ms at 8.12 Hz and 0.084), and only the ringing
-/// tells that from the clock: that form is taken only where its likelihood is higher by a factor of
-/// e^5.
+/// The vibration must be part of the fit: a clock that is late by `tau` adds `tau u'`, and an elastic joint
+/// adds `u'' / w^2` plus its vibration, which is not orthogonal to `u'` on a short record. So offset, constant,
+/// mode and initial vibration are fitted together. No mode needs to be known; `belief` only adds a starting
+/// point. Offsets up to 0.2 s are found. With a damper to ground the joint itself lags by `2 xi / w` (3.3 ms at
+/// 8.12 Hz and 0.084), and only the vibration distinguishes that from the clock: that form is used only if its
+/// likelihood is higher by a factor of e^5.
 ///
 /// The standard deviation counts correlated residuals as fewer samples: with lag-one correlation `r`,
-/// `n (1 - r) / (1 + r)` of them. At 10 um, 333 Hz and a lever arm of 1.8 m a move of 30 deg gives a few
-/// us.
+/// `n (1 - r) / (1 + r)` of them. At 10 um, 333 Hz and a lever arm of 1.8 m a move of 30 deg gives a few us.
 ///
 /// # Errors
 /// [`SignalError`] for bad series, fewer than 20 samples within the encoder's span, or a motor that
@@ -81,10 +79,10 @@ pub fn fit_clock_offset(
     Ok(fit)
 }
 
-/// Gain in log-likelihood from which a damper to ground is believed.
+/// Gain in log-likelihood above which a damper to ground is accepted.
 const LIKELIHOOD_GAIN: f64 = 5.0;
 
-/// Instants and angles that lie within the encoder's span whatever the fine offset.
+/// Instants and angles within the encoder's span for any fine offset.
 fn within(
     motor: &CubicSpline,
     time: impl Iterator<Item = f64>,
@@ -105,9 +103,9 @@ fn within(
     Ok(samples)
 }
 
-/// The offset within 0.2 s, on a grid of 10 ms, at which angle and motor position differ least but for
-/// a constant; the motor is taken to rest before and after its record. A vibration of some mrad
-/// cannot hide 10 ms of a move at some tenths of a rad/s.
+/// The offset within 0.2 s, on a grid of 10 ms, at which angle and motor position differ least apart from a
+/// constant. The motor is taken to rest before and after its record. A vibration of some mrad cannot hide 10 ms
+/// of a move at some tenths of a rad/s.
 fn coarse_offset(motor: &CubicSpline, time: &[f64], angle: &[f64]) -> f64 {
     let (first, last) = motor.span();
     let n = time.len().max(1) as f64;
@@ -129,27 +127,27 @@ fn coarse_offset(motor: &CubicSpline, time: &[f64], angle: &[f64]) -> f64 {
 struct Candidate {
     parameters: Vector6<f64>,
     ground: bool,
-    /// Sum of squares, rad^2, and what it is made of.
+    /// Sum of squares, rad^2; the following fields are its parts.
     sum: f64,
     samples: f64,
     effective: f64,
     offset_std: f64,
 }
 
-/// Samples in a period of the vibration, and in all, that lead a fit near to where it ends with all of them:
-/// there are six unknowns.
+/// Samples in a period of the vibration, and in all, for a fit whose end is near that with all samples: there
+/// are six unknowns.
 const IN_A_PERIOD: f64 = 5.0;
 const IN_ALL: usize = 1000;
-/// Mean square of a fit to some samples, in times the least one, from which it is not the best to all: that of
-/// a thousand scatters by `sqrt(2 / 1000)`, less than a fifth of the difference.
+/// Ratio of a fit's mean square, to some samples, to the least one, above which it is not the best for all. The
+/// mean square of a thousand samples scatters by `sqrt(2 / 1000)`, less than a fifth of the difference.
 const FAR: f64 = 1.25;
 /// Relative fall of the sum of squares that ends a fit: of ten thousand samples a thousandth of a standard
 /// deviation.
 const LEAST_FALL: f64 = 1e-10;
 
 impl Candidate {
-    /// The best fit from any of the frequencies on: each to some of the samples, then to all those that may
-    /// be the best.
+    /// The best fit from any of the frequencies: each is fitted to some of the samples, then the promising ones
+    /// to all.
     fn best(
         motor: &CubicSpline,
         samples: &[(f64, f64)],
@@ -177,7 +175,7 @@ impl Candidate {
     }
 
     /// Whether another fit ended in the same minimum: within a thousandth in frequency, and half a millisecond,
-    /// by which no two minima of an offset are alike.
+    /// less than the distance of two minima.
     fn is_where(&self, other: &Self) -> bool {
         let apart = self.parameters - other.parameters;
         apart[2].abs() < 1e-3 && apart[1].abs() < 5e-4
@@ -235,7 +233,7 @@ impl Candidate {
     }
 }
 
-/// Number of independent samples that carry as much as these correlated ones, if their correlation
+/// Number of independent samples with the same information as these correlated ones, for a correlation that
 /// falls geometrically from its value `r` at lag one: `n (1 - r) / (1 + r)`, at least 6.
 fn effective_samples(residual: &[f64]) -> f64 {
     let n = residual.len() as f64;

@@ -30,10 +30,11 @@ pub struct DeformationSample {
     pub tip_deformation: f64,
 }
 
-/// On-line: encoder and tip measurements in the order of arrival become deformation samples.
+/// On-line sensor of the deformation: turns encoder and tip measurements, in the order of arrival, into
+/// deformation samples.
 ///
-/// It accepts a sensor of the tip, of the link position or of the deformation itself, and does not
-/// allocate, block or fail. Where the tip's arc is not known a sensor of the tip says nothing, and the
+/// It accepts a sensor of the tip, of the link position or of the deformation itself, and does not allocate,
+/// block or fail. If the tip's arc is not known, a sensor of the tip is ignored, and the
 /// deformation along the arc is NaN.
 #[derive(Clone, Debug)]
 pub struct DeformationSensor {
@@ -43,7 +44,7 @@ pub struct DeformationSensor {
 }
 
 impl DeformationSensor {
-    /// A sensor whose frame lies in the robot's base frame as `sensor_to_base` says, on `clock`.
+    /// A sensor with the frame `sensor_to_base` in the robot's base frame, on `clock`.
     pub fn new(arc: JointArc, sensor_to_base: Isometry3<f64>, clock: Clock) -> Self {
         Self {
             aligner: Aligner::new(clock),
@@ -95,7 +96,7 @@ impl DeformationSensor {
         self.arc.as_ref()
     }
 
-    /// Forgets every sample.
+    /// Discards every sample.
     pub fn restart(&mut self) {
         self.aligner.restart();
     }
@@ -107,16 +108,15 @@ pub struct RecordedDeformation {
     /// Samples at the stamps of the sensor of the tip, link or deformation, those within the
     /// encoder's span; times on the encoder's clock.
     pub samples: Vec<DeformationSample>,
-    /// Frame and clock of the tip sensor, where the recording has one and they were learned from it.
+    /// Frame and clock of the tip sensor, if the recording has one and they were determined from it.
     pub registration: Option<ArcRegistration>,
 }
 
 /// Deformation over a recording, from whichever sensor it has beside the motor position: the
 /// deformation itself, the link position, or the tip.
 ///
-/// A tip sensor needs the tip's `arc`; its frame and clock are learned from the recording itself, in the way
-/// that is asked for. A deformation in m is divided by the arc's radius. Without an arc the tip
-/// deformation is NaN.
+/// A tip sensor needs the tip's `arc`; its frame and clock are determined from the recording itself, in the
+/// requested way. A deformation in m is divided by the arc's radius. Without an arc the tip deformation is NaN.
 ///
 /// # Errors
 /// [`SignalError`] where a channel is missing or bad, or the registration fails.

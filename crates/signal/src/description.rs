@@ -33,7 +33,7 @@ pub struct UrdfChain {
 pub struct TreeJoint {
     /// Name in the robot's description.
     pub name: String,
-    /// The joint before it, counted from 0; none at the base.
+    /// Index of the joint before it, counted from 0; `None` at the base.
     pub parent: Option<usize>,
     /// From the frame of the link before to the frame of its own link at `q = 0`.
     pub before: Isometry3<f64>,
@@ -41,13 +41,13 @@ pub struct TreeJoint {
     pub axis: Unit<Vector3<f64>>,
     /// Turns or slides.
     pub kind: JointKind,
-    /// Viscous friction that the description has, N.m.s/rad or N.s/m; 0 where it has none.
+    /// Viscous friction in the description, N.m.s/rad or N.s/m; 0 without one.
     pub damping: f64,
-    /// Dry friction that the description has, N.m or N; 0 where it has none.
+    /// Dry friction in the description, N.m or N; 0 without one.
     pub friction: f64,
 }
 
-/// All moving links of a description: each joint behind the one that carries it.
+/// All moving links of a description; each joint comes after its parent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {
     /// The joints.

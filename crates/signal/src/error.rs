@@ -1,9 +1,9 @@
-//! Why values that enter the signal room are refused.
+//! Reasons for refusing values.
 
 use quell_recording::plain;
 use std::path::PathBuf;
 
-/// A refusal of the signal room; carries the bad value and where it came from.
+/// A refusal of this crate; it contains the bad value and its origin.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SignalError {
     /// A joint index beyond the chain.
@@ -101,10 +101,10 @@ pub enum SignalError {
         /// Role of the channel.
         channel: &'static str,
     },
-    /// A recorded move too small for what is asked of it.
+    /// A recorded move is too small for the requested quantity.
     #[error("{what}: {found} where at least {needed} is needed")]
     NotExcited {
-        /// The quantity that was to be learned, with its unit.
+        /// The quantity to be determined, with its unit.
         what: &'static str,
         /// The value that the recording offers.
         found: f64,

@@ -60,8 +60,8 @@ impl<'a> ForcedResponse<'a> {
     }
 }
 
-/// Deformation that is left `s` seconds after a start with a deformation of 1 and no rate, and after one
-/// with a rate of 1 and no deformation, while nothing drives it.
+/// Free deformation `s` seconds after a start with a deformation of 1 and no rate, and after one with a rate of
+/// 1 and no deformation.
 pub(super) fn free_response(mode: Mode, s: f64) -> [f64; 2] {
     let turn = Turn::new(mode, s);
     let of_rate = turn.sin / mode.damped_frequency();
@@ -76,8 +76,8 @@ struct Turn {
     sin: f64,
 }
 
-/// Angle up to which `exp` of a complex number is its series of third order to the last bit: the first
-/// term that is left out is `1e-4^4 / 24`, less than a rounding.
+/// Angle up to which the complex `exp` equals its series of third order to the last bit: the first omitted term
+/// is `1e-4^4 / 24`, less than a rounding.
 const SMALL_TURN: f64 = 1e-4;
 
 impl Turn {
@@ -91,8 +91,8 @@ impl Turn {
         }
     }
 
-    /// The same for another time, where that is a small turn further: the steps of a clock are alike up to
-    /// its rounding or jitter.
+    /// The same for another time, if that is a small angle away: the steps of a clock are equal up to rounding
+    /// or jitter.
     fn near(&self, mode: Mode, s: f64) -> Option<Self> {
         let (x, y) = (
             -mode.decay_rate() * (s - self.s),
@@ -138,7 +138,7 @@ impl Piece {
         }
     }
 
-    /// Deformation and its rate a turn after the knot.
+    /// Deformation and its rate at this turn after the knot.
     fn after(&self, mode: Mode, turn: &Turn) -> (f64, f64) {
         let Turn { s, cos, sin } = *turn;
         let swing = self.a * cos + self.b * sin;

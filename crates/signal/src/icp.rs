@@ -1,14 +1,14 @@
-//! Registration of two frames by iterated closest points, without known correspondence.
+//! Registration of two frames by iterated closest points (ICP), without known correspondence.
 
 use nalgebra::{Isometry3, Point3, SymmetricEigen, Vector3};
 
 use super::SignalError;
 use super::registration::{Registration, centroid, check_points, kabsch};
 
-/// How iterated closest points runs.
+/// Options of iterated closest points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IcpOptions {
-    /// Iterations at most.
+    /// Most iterations.
     pub iterations: usize,
     /// Share of the source points that is kept, those nearest to the target: 1 for all, less where
     /// some have no partner.
@@ -39,17 +39,16 @@ pub struct IcpResult {
     pub converged: bool,
 }
 
-/// The rigid transform that lays `source` on the path through the points `target`.
+/// The rigid transform that maps `source` onto the path through the points `target`.
 ///
 /// Alternates between the closest point of the path for each mapped source point, and [`kabsch`].
 /// The result is the local optimum that `initial` leads to: begin with [`initial_guess`]. The
 /// closest point is sought on the two segments that meet at the nearest vertex, so the path should be
 /// sampled finely against its bends.
 ///
-/// A path that can slide along itself, such as the arc of a single joint, is held in that direction
-/// by its two ends only, and a vibration there shifts it; with known instants
-/// [`register_arc`](super::register_arc) has no such freedom. The covariance does not include the
-/// uncertainty of the correspondence.
+/// A path that can slide along itself, such as the arc of a single joint, is fixed in that direction only by
+/// its two ends, and a vibration there shifts it. [`register_arc`](super::register_arc) uses the instants and
+/// does not have this freedom. The covariance does not include the uncertainty of the correspondence.
 ///
 /// # Errors
 /// As [`kabsch`], for the kept points.
@@ -106,9 +105,9 @@ pub fn icp(
     }
 }
 
-/// A transform to begin [`icp`] with, for two records of the same move in the same order: points at
-/// equal shares of the two lists are paired. Good enough where both records cover the move with
-/// about the same share of rest before and after.
+/// A starting transform for [`icp`], for two records of the same move in the same order: points at equal shares
+/// of the two lists are paired. It is good enough if both records contain about the same share of rest before
+/// and after the move.
 ///
 /// # Errors
 /// [`SignalError`] as [`kabsch`], but for the spread: a rough guess may leave a large residual.
@@ -177,7 +176,7 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Outward from the vertex of the same coordinate, until that coordinate alone is farther away
+    /// Searches outward from the vertex of the same coordinate, until that coordinate alone is farther away
     /// than the best.
     fn nearest_vertex(&self, p: &Point3<f64>) -> usize {
         let at = self.direction.dot(&p.coords);

@@ -8,20 +8,21 @@ use super::clock_offset::fit_clock_offset;
 use super::icp::{IcpOptions, icp, initial_guess};
 use super::{ArcRegistration, Clock, CubicSpline, JointArc, SignalError};
 
-/// Points of either path that are laid on each other: the arc is some thousand times as long as the sensor's noise.
+/// Points of either path that are registered: the arc is some thousand times as long as the sensor's noise.
 const POINTS: usize = 2000;
 
-/// Registers a tip sensor to the base frame from one joint's move: lays the path that the sensor saw on the one that
-/// the motor side makes of `arc`, without asking which instants belong together.
+/// Registers a tip sensor to the base frame from one joint's move: maps the path of the sensor onto the path of
+/// the motor side along `arc`, without using the instants.
 ///
-/// The joint's deformation is along the path, and so not seen across it; but at the ends of the path, which alone hold
-/// it along the arc, the vibration reaches beyond the motor side's. The frame is turned about the joint's axis by
-/// that, which [`ArcRegistration::angle_error`] tells. [`register_arc`](super::register_arc) has no such error.
+/// The joint's deformation is along the path, so that it does not show across it. But the ends of the path,
+/// which alone fix it along the arc, include the vibration beyond the motor side's range. This turns the frame
+/// about the joint's axis by [`ArcRegistration::angle_error`]. [`register_arc`](super::register_arc) has no
+/// such error.
 /// The clock offset follows from the angle in this frame by [`fit_clock_offset`].
 ///
 /// # Errors
-/// [`SignalError`] for bad series, [`SignalError::Degenerate`] where the arc is too short to be told
-/// from a line in the noise.
+/// [`SignalError`] for bad series, [`SignalError::Degenerate`] where the noise does not distinguish the arc
+/// from a line.
 ///
 /// Source: Besl and McKay, "A method for registration of 3-D shapes", IEEE PAMI 14 (1992).
 pub fn register_icp(
@@ -37,7 +38,7 @@ pub fn register_icp(
     let (first, last) = motor.span();
     let stamps = time.iter().map(|t| t.clamp(first, last));
     let meant: Vec<f64> = stamps.map(|t| motor.value(t)).collect();
-    // Guessed by what came together, refined by what lies together.
+    // First guess by points of equal time, refined by closest points.
     let followed: Vec<_> = meant.iter().map(|&u| arc.tip(u)).collect();
     let guess = initial_guess(&seen, &evenly(&followed))?;
     let path = path(arc, &meant);
@@ -61,7 +62,7 @@ pub fn register_icp(
     })
 }
 
-/// So many points at even shares of a record.
+/// Points at even shares of a record.
 fn evenly(points: &[Point3<f64>]) -> Vec<Point3<f64>> {
     points
         .iter()

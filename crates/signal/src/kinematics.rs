@@ -169,8 +169,7 @@ impl Chain {
         ))
     }
 
-    /// The arc that the tip draws in the base frame when `joint` alone turns; the others stand as
-    /// in `q`.
+    /// The arc of the tip in the base frame when only `joint` turns; the others stay as in `q`.
     ///
     /// # Errors
     /// [`SignalError::NoSuchJoint`], [`SignalError::NotRevolute`], or [`SignalError::TipOnAxis`]

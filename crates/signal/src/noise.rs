@@ -1,4 +1,4 @@
-//! Noise floor and quantisation of a channel, from the channel itself.
+//! Noise floor and quantisation of a channel, from its values.
 
 /// Standard deviation over median absolute deviation of a normal distribution.
 const NORMAL_MAD: f64 = 1.482_602_218_505_602;
@@ -14,10 +14,10 @@ pub struct NoiseFloor {
 
 /// Noise floor of evenly sampled values.
 ///
-/// Third differences remove what is smooth and leave white noise with a variance of 20 times its own
-/// (1 + 9 + 9 + 1); their median absolute deviation is taken, so that short stretches of quick motion
-/// do not count. A quantised channel has at least `q / sqrt 12`. Signal content above a tenth of the
-/// sampling rate is taken for noise. With fewer than 8 samples the result is 0.
+/// Third differences remove smooth signals and amplify the variance of white noise by 20 (1 + 9 + 9 + 1). Their
+/// median absolute deviation is used, so that short stretches of fast motion do not count. A quantised channel
+/// has at least `q / sqrt 12`. Signal content above a tenth of the sampling rate is taken for noise. With fewer
+/// than 8 samples the result is 0.
 ///
 /// # Example
 /// ```
@@ -47,8 +47,8 @@ pub fn noise_floor(values: &[f64]) -> NoiseFloor {
     }
 }
 
-/// Step of a quantised channel: the smallest change between neighbours, of which the other small
-/// changes are multiples.
+/// Step of a quantised channel: the smallest change between neighbours, if the other small changes are
+/// multiples of it.
 ///
 /// `None` where fewer than 5 changes are seen or less than 95 % of the changes below 10 steps lie
 /// within a tenth of a step of a multiple. An unquantised channel passes by chance with a share of
@@ -67,7 +67,7 @@ pub fn quantisation_step(values: &[f64]) -> Option<f64> {
     }
     changes.sort_unstable_by(f64::total_cmp);
     let mut step = changes[0];
-    // Twice refined: the mean of all changes that are one step.
+    // Refined twice: the mean of all changes of one step.
     for _ in 0..2 {
         let single: Vec<f64> = changes
             .iter()

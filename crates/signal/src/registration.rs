@@ -1,4 +1,4 @@
-//! Registration of two frames from points: Kabsch where they correspond.
+//! Registration of two frames from corresponding points (Kabsch).
 
 use nalgebra::{
     Isometry3, Matrix3, Point3, Rotation3, SymmetricEigen, Translation3, UnitQuaternion, Vector3,
@@ -83,7 +83,7 @@ pub fn kabsch(source: &[Point3<f64>], target: &[Point3<f64>]) -> Result<Registra
     })
 }
 
-/// The transform of [`kabsch`] alone, for lists of one length.
+/// The transform of [`kabsch`] alone, for lists of equal length.
 pub(super) fn best_transform(source: &[Point3<f64>], target: &[Point3<f64>]) -> Isometry3<f64> {
     let (p_mean, q_mean) = (centroid(source), centroid(target));
     let cross: Matrix3<f64> = source

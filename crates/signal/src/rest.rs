@@ -1,4 +1,4 @@
-//! When the motor side moves and when it rests, from its position alone.
+//! Rest and motion of the motor side, from its position.
 
 use super::SignalError;
 use super::noise::noise_floor;
@@ -30,8 +30,8 @@ pub struct RestRule {
     /// Span over which a displacement is taken, and for which it must stay small, s. Short against
     /// the vibration's period, long against the sampling period.
     pub window: f64,
-    /// Share of the move's own greatest speed below which a drift is rest. A motor side that drifts
-    /// with a share `r` of the move's speed drives a vibration of the order of `r` of the move's.
+    /// Share of the move's own greatest speed below which a drift is rest. A drift with a share `r` of the
+    /// move's speed excites a vibration of the order of `r` of the move's.
     pub drift: f64,
     /// Standard deviation of a position sample, rad.
     pub noise: f64,
@@ -50,14 +50,14 @@ impl RestRule {
         }
     }
 
-    /// The rule for a recorded position, its noise and quantisation read off the record.
+    /// The rule for a recorded position, with its estimated noise and quantisation.
     pub fn from_values(values: &[f64]) -> Self {
         let floor = noise_floor(values);
         Self::new(floor.standard_deviation, floor.quantisation.unwrap_or(0.0))
     }
 
     /// The displacement that noise alone exceeds once in 1.7 million samples: 5 standard deviations of a
-    /// difference (variance 2), and the rounding on top.
+    /// difference (variance 2), plus the rounding.
     fn threshold(&self) -> f64 {
         5.0 * 2f64.sqrt() * self.noise + self.quantisation
     }
@@ -66,7 +66,7 @@ impl RestRule {
 /// Positions kept: a window of 20 ms at up to 8 kHz.
 const HISTORY: usize = 161;
 
-/// Tells rest from motion sample by sample; does not allocate, block or fail.
+/// Detects rest and motion sample by sample; does not allocate, block or fail.
 ///
 /// Motion begins when the displacement over the window exceeds the larger of twice the noise
 /// threshold and three times the drift that the last move allows; it ends when it has stayed below
@@ -85,7 +85,7 @@ pub struct RestDetector {
 }
 
 impl RestDetector {
-    /// A detector that takes the axis to be at rest until it sees it move.
+    /// A detector that assumes rest until it detects motion.
     pub fn new(rule: RestRule) -> Self {
         Self {
             rule,
@@ -98,8 +98,8 @@ impl RestDetector {
         }
     }
 
-    /// Takes a motor position (s, rad) and says whether the motor moves; a sample that is not finite
-    /// or does not advance is ignored.
+    /// Takes a motor position (s, rad) and returns whether the motor moves. A sample that is not finite or does
+    /// not advance is ignored.
     pub fn observe(&mut self, time: f64, position: f64) -> Motion {
         let advances = self.count == 0 || time > self.history[(self.count - 1) % HISTORY].0;
         if !(time.is_finite() && position.is_finite() && advances) {
@@ -120,8 +120,8 @@ impl RestDetector {
         self.motion
     }
 
-    /// When the present state began, s; minus infinity before the first change. A rest begins with
-    /// the first of the quiet samples that led to it, so that it is known one window later.
+    /// Start of the present state, s; minus infinity before the first change. A rest begins with the first of
+    /// the quiet samples that led to it, so that it is detected one window later.
     pub fn since(&self) -> f64 {
         self.changed
     }

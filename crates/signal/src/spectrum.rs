@@ -41,10 +41,10 @@ pub struct Spectrum {
     pub amplitude: Vec<f64>,
 }
 
-/// Spectrum of `values` (mean removed) sampled each `period` s.
+/// Spectrum of `values` (mean removed) with a sampling period of `period` s.
 ///
-/// The signal is padded with zeros to `padding` times its length or more (a power of two), which
-/// interpolates between the lines but does not resolve more.
+/// The signal is padded with zeros to `padding` times its length or more (a power of two). This interpolates
+/// between the lines but does not improve the resolution.
 ///
 /// # Errors
 /// [`SignalError`] for fewer than 4 samples, a value that is not finite or a period that is not above

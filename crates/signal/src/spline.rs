@@ -1,4 +1,4 @@
-//! Cubic spline through samples of a clock, for interpolation off-line.
+//! Cubic spline through samples, for off-line interpolation.
 
 use super::SignalError;
 
@@ -97,7 +97,7 @@ impl CubicSpline {
     pub(super) fn locate(&self, time: f64) -> (usize, f64, f64) {
         let last = self.time.len() - 1;
         let share = (time - self.time[0]) / (self.time[last] - self.time[0]);
-        // Where the clock is even this is it already; a share that is not finite becomes 0.
+        // With an even clock the guess is right; a share that is not finite becomes 0.
         let guess = ((share * last as f64) as usize).min(last - 1);
         let hit = self.time[guess] <= time && time < self.time[guess + 1];
         let k = match hit {

@@ -1,11 +1,11 @@
-//! The ways to learn frame and clock of a tip sensor from a recorded move of one joint.
+//! The methods to determine frame and clock of a tip sensor from a recorded move of one joint.
 
 use nalgebra::Point3;
 use quell_shapers::Mode;
 
 use super::{ArcRegistration, CubicSpline, JointArc, SignalError, register_arc, register_icp};
 
-/// How frame and clock of a tip sensor are learned.
+/// Method for frame and clock of a tip sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TipRegistration {
     /// By the plane and the circle of the arc, and the motor side's motion: [`register_arc`].
@@ -36,7 +36,7 @@ impl TipRegistration {
         }
     }
 
-    /// Learns frame and clock.
+    /// Determines frame and clock.
     ///
     /// # Errors
     /// As [`register_arc`] and [`register_icp`].

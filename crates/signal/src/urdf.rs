@@ -17,9 +17,9 @@ use {parse::parse, tree::tree};
 /// Fixed joints are folded into their neighbours. Branches off the chain are left out.
 ///
 /// # Errors
-/// [`SignalError::Urdf`] with the file and the reason: unreadable, no such link, a loop, a joint of
-/// a kind that a serial chain cannot hold (floating, planar, spherical) or that mimics another; always where
-/// the crate is built without the feature `urdf`.
+/// [`SignalError::Urdf`] with the file and the reason: unreadable, no such link, a loop, a joint type that a
+/// serial chain cannot represent (floating, planar, spherical), or a mimic joint. Always, if the crate is built
+/// without the feature `urdf`.
 pub fn read_urdf(file: &Path, tip_link: Option<&str>) -> Result<UrdfChain, SignalError> {
     let refuse = |reason: String| SignalError::Urdf {
         file: file.to_path_buf(),
@@ -29,10 +29,10 @@ pub fn read_urdf(file: &Path, tip_link: Option<&str>) -> Result<UrdfChain, Signa
     parse(&text, tip_link).map_err(refuse)
 }
 
-/// Reads all moving joints and links, branches too. Joints that mimic another, float or slide in a plane are refused.
+/// Reads all moving joints and links, branches too. Mimic, floating and planar joints are refused.
 ///
 /// # Errors
-/// As [`read_urdf`], and where no joint moves or several links are carried by none.
+/// As [`read_urdf`], and where no joint moves or several links have no parent.
 pub fn read_urdf_tree(file: &Path) -> Result<Tree, SignalError> {
     let refuse = |reason: String| SignalError::Urdf {
         file: file.to_path_buf(),

@@ -10,9 +10,9 @@ use crate::plant::{Robot, RobotJoint};
 use crate::service::following::healthy;
 use crate::signal::JointArc;
 
-/// Positions that are targets where the configuration names no range, rad: a turn either way.
+/// Range of targets if the configuration names none, rad: a turn either way.
 const RANGE: [f64; 2] = [-core::f64::consts::TAU, core::f64::consts::TAU];
-/// The believed mode of a joint of which nothing is said: the middle of the field's arms.
+/// Default belief of a joint: typical of robot arms.
 pub(super) const BELIEF: (f64, f64) = (10.0, 0.05);
 /// Highest value of a limit, in degrees and seconds.
 const HIGHEST: f64 = 1e9;
@@ -30,7 +30,7 @@ pub struct JointConfig {
     pub limits: Limits,
     /// Following error that is a fault, rad.
     pub following_limit: f64,
-    /// Whether any of them is only that of the embedded arm, nothing having been said of this robot's.
+    /// Whether any limit is that of the embedded arm, because none was given for this robot.
     pub limits_assumed: bool,
     /// The mode that is shaped for until a better one is learned.
     pub belief: Mode,
@@ -53,8 +53,7 @@ pub struct JointConfig {
 }
 
 impl JointConfig {
-    /// Says in the log which limits are in force. Those of another robot than the one that is commanded
-    /// are no limits.
+    /// Logs the limits in force, with a warning if they are those of another robot.
     pub fn warn_of_limits(&self) {
         if self.limits_assumed {
             tracing::warn!(

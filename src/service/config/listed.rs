@@ -1,4 +1,4 @@
-//! Every key of `quell.toml`, from the types that read it: a file that changes nothing.
+//! A listing of every key of `quell.toml`, generated from the types that read it; as a file it changes nothing.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::keys::Keys;
 
-/// Units by the end of a key; the longest first.
+/// Units by the suffix of a key; the longest first.
 const UNITS: [(&str, &str); 9] = [
     ("_deg_s2", "deg/s^2"),
     ("_deg_s3", "deg/s^3"),
@@ -20,8 +20,8 @@ const UNITS: [(&str, &str); 9] = [
     ("_s", "s"),
 ];
 
-/// All keys, with their defaults, units, ranges and a sentence each, as TOML. What is left out by default is a
-/// comment.
+/// All keys, with their defaults, units, ranges and a sentence each, as TOML. Keys without a default are
+/// comments.
 pub fn listed() -> String {
     let settings = SchemaSettings::draft2020_12();
     let inline = settings.with(|settings| settings.inline_subschemas = true);
@@ -34,7 +34,7 @@ pub fn listed() -> String {
             Some(items) => (format!("[[{name}]]"), items),
             None => (format!("[{name}]"), some(table)),
         };
-        // A table that must name something stands for nothing by default.
+        // A table with required keys is absent by default.
         let absent = inner.get("required").is_some();
         let before = if absent { "# " } else { "" };
         let _ = write!(text, "\n{}\n{before}{header}\n", sentence(inner));
@@ -51,21 +51,21 @@ pub fn listed() -> String {
     text
 }
 
-/// The schema itself, where it may be absent.
+/// The schema itself, without the option around it.
 fn some(schema: &Value) -> &Value {
     let any = schema.get("anyOf").and_then(Value::as_array);
     let some = any.and_then(|any| any.iter().find(|one| one.get("properties").is_some()));
     some.unwrap_or(schema)
 }
 
-/// What it is, as a comment of one line.
+/// The description, as a comment of one line.
 fn sentence(schema: &Value) -> String {
     let words = schema.get("description").and_then(Value::as_str);
     let words: Vec<_> = words.unwrap_or_default().split_whitespace().collect();
     format!("# {}", words.join(" "))
 }
 
-/// Unit and range of a key, where it has them.
+/// Unit and range of a key, if it has them.
 fn bounds(key: &str, schema: &Value) -> String {
     let unit = UNITS.iter().find(|(end, _)| key.ends_with(end));
     let unit = unit.map_or("", |(_, unit)| unit);

@@ -25,12 +25,12 @@ use super::signature::Key;
 use crate::plant::{Robot, RobotError};
 use crate::recording::SyntaxError;
 
-/// The rates at which the tick is made to run, Hz.
+/// Range of the tick's rate, Hz.
 const RATES: [f64; 2] = [250.0, 4000.0];
 /// The longest name of a joint, bytes: a datagram holds it, and it names metrics.
 const LONGEST_NAME: usize = 64;
 
-/// The joints of an arm that has one to spare.
+/// Most joints: those of a redundant arm.
 pub const MOST_JOINTS: usize = 7;
 
 /// Why a configuration is refused.
@@ -76,7 +76,7 @@ pub enum RobotKind {
     Embedded,
     /// One that speaks JSON over UDP.
     Udp,
-    /// One that speaks ROS 2 over Zenoh; commanded where the feature `zenoh` is built.
+    /// One that speaks ROS 2 over Zenoh; it needs the feature `zenoh`.
     Zenoh,
 }
 
@@ -109,14 +109,14 @@ pub struct Overrides {
     pub udp: Option<SocketAddr>,
 }
 
-/// A configuration that can be used.
+/// A checked configuration.
 #[derive(Clone)]
 pub struct Config {
     /// Which robot.
     pub robot: RobotKind,
     /// Its description.
     pub description: Robot,
-    /// Whether that is the description of the robot that is commanded.
+    /// Whether the description is that of the commanded robot.
     pub describes: bool,
     /// Folder of state and recordings.
     pub data: PathBuf,
@@ -128,21 +128,21 @@ pub struct Config {
     pub http: HttpConfig,
     /// Where the UDP link listens.
     pub udp: SocketAddr,
-    /// The robot's address, if it is not taken from its first datagram.
+    /// The robot's address; `None` takes that of its first datagram.
     pub udp_robot: Option<SocketAddr>,
     /// Signs datagrams both ways.
     pub udp_key: Option<Key>,
     /// How ROS 2 is reached, and its topics.
     pub zenoh: ZenohConfig,
-    /// Where estimates and trains are published, if anywhere; it takes the feature `nats`.
+    /// Where estimates and trains are published, if anywhere; it needs the feature `nats`.
     pub nats: Option<NatsConfig>,
-    /// Where the live view of Foxglove listens, if there is one; it takes the feature `foxglove`.
+    /// Address of the live view of Foxglove, if there is one; it needs the feature `foxglove`.
     pub foxglove: Option<SocketAddr>,
-    /// Silence after which the adaptation waits.
+    /// Silence after which the adaptation pauses.
     pub watchdog: Duration,
     /// Whether a joint without measurements is stopped.
     pub watchdog_stops: bool,
-    /// Moves on disk.
+    /// Recording of moves on disk.
     pub recording: RecordingConfig,
     /// Time after which a diagnosis is given up.
     pub diagnosis_limit: Duration,
@@ -164,7 +164,7 @@ pub struct HttpConfig {
 }
 
 impl Config {
-    /// The configuration of a file, or the defaults, with what the command line says instead.
+    /// The configuration from a file, or the defaults, overridden by the command line.
     ///
     /// # Errors
     /// [`ConfigError`] with file, line or key, and value.
@@ -200,7 +200,7 @@ fn checked(
         Some(file) => Robot::from_file(&folder.join(file))?,
         None => Robot::rx170(),
     };
-    // The embedded arm's own description says nothing of the geometry of another robot.
+    // The description of the embedded arm does not give the geometry of another robot.
     let describes = robot == RobotKind::Embedded || keys.service.description.is_some();
     let rate = overrides.rate.unwrap_or(keys.tick.rate_hz);
     let rate = check.within("tick.rate_hz", rate, RATES)?;
@@ -290,7 +290,7 @@ fn joints(
     }];
     let keys = if keys.is_empty() { &alone[..] } else { keys };
     let most = match robot {
-        // The simulation moves one joint; the others stand.
+        // The simulation moves one joint; the others stand still.
         RobotKind::Embedded => 1,
         RobotKind::Udp | RobotKind::Zenoh => MOST_JOINTS,
     };
@@ -325,8 +325,8 @@ fn joints(
     Ok(joints)
 }
 
-/// The believed frequency of the embedded arm, Hz, where nobody says anything: a quarter too much, as for
-/// `quell move`, so that there is something to learn.
+/// The believed frequency of the embedded arm, Hz, if none is given: a quarter too high, as in `quell move`, so
+/// that there is something to learn.
 fn wrong_belief(description: &Robot) -> f64 {
     let joint = description.joints.get(description.default_move.joint);
     let mode = joint.and_then(|joint| joint.modes.first());

@@ -84,7 +84,7 @@ impl RecordingKeys {
         let megabytes = check.within("recording.max_size_mb", self.max_size_mb, [1.0, 1e9])?;
         let count = self.max_count as f64;
         check.within("recording.max_count", count, [1.0, 1e6])?;
-        // The newest always stays: it would else go as soon as it was made.
+        // The newest always stays: otherwise it would be removed as soon as it was made.
         check.within("recording.keep_last", self.keep_last as f64, [1.0, count])?;
         Ok(RecordingConfig {
             enabled: self.enabled,

@@ -1,4 +1,4 @@
-//! The key of the UDP link, and where the link may go without one.
+//! The key of the UDP link, and where it may be omitted.
 
 use std::net::SocketAddr;
 
@@ -12,8 +12,8 @@ const SHORTEST_KEY: usize = 16;
 /// The key of a link that listens at `address`, if it is `used`.
 ///
 /// # Errors
-/// [`ConfigError`] for a key that is too short, and for none where others than this machine reach the address: a
-/// datagram of anybody would pass for one of the robot's.
+/// [`ConfigError`] for a key that is too short, and for a missing key where other machines reach the address:
+/// any datagram could then pass for one of the robot's.
 pub fn key(
     keys: &UdpKeys,
     address: SocketAddr,
@@ -31,7 +31,7 @@ pub fn key(
         return Ok(None);
     };
     if secret.len() < SHORTEST_KEY {
-        // A key is not shown, not even one that is of no use.
+        // A key is never shown, not even an invalid one.
         let given = format!("({} characters)", secret.len());
         let expected = format!("at least {SHORTEST_KEY} characters");
         return Err(check.refuse("udp.key", given, expected));

@@ -1,8 +1,8 @@
-//! Why a request is refused, in one sentence for whoever asked.
+//! Reasons for refusing a request, in one sentence for the client.
 
 use thiserror::Error;
 
-/// Why a request is refused. Nothing has changed then.
+/// Why a request is refused. A refusal changes nothing.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ServiceError {
@@ -65,22 +65,22 @@ pub enum ServiceError {
         /// The joint.
         joint: String,
     },
-    /// A hold that has ended moves nothing any more.
+    /// A hold that has ended moves nothing.
     #[error("this hold of {joint} is over: let go and press again")]
     HoldOver {
         /// The joint.
         joint: String,
     },
-    /// Somebody else holds the joint moving.
+    /// Another client holds the joint moving.
     #[error("{joint} is held moving by somebody else")]
     Held {
         /// The joint.
         joint: String,
     },
-    /// At no feed nothing moves.
+    /// With a feed of 0 nothing moves.
     #[error("the feed is 0 %: no move begins")]
     NoFeed,
-    /// A correction was under way for so long that the new plan could not be taken.
+    /// A correction took so long that the new plan could not be accepted.
     #[error("{joint}: {reason}; the running move goes on")]
     NotTaken {
         /// The joint.
@@ -88,7 +88,7 @@ pub enum ServiceError {
         /// Why.
         reason: String,
     },
-    /// Nobody has enabled moves, or not since a fault.
+    /// Moves were not enabled, or not since a fault.
     #[error("moves are not enabled: {reason}; {way}")]
     NotEnabled {
         /// Why, as the state says it.
@@ -102,7 +102,7 @@ pub enum ServiceError {
         /// Why, as the state says it.
         reason: String,
     },
-    /// A joint that is not where it is commanded to be, or whose sensor is at fault.
+    /// A joint is not at its commanded position, or its sensor is at fault.
     #[error("{joint} cannot be enabled: {reason}")]
     NotReady {
         /// The joint.
@@ -110,13 +110,13 @@ pub enum ServiceError {
         /// Why.
         reason: String,
     },
-    /// The robot has not yet said where the joint stands.
+    /// The robot has not reported the joint's position yet.
     #[error("the robot has not yet said where {joint} stands")]
     NoMeasurement {
         /// The joint.
         joint: String,
     },
-    /// The robot is not heard: a joint is not moved blindly.
+    /// The robot is silent, and a joint is not moved without measurements.
     #[error("{joint} is not heard: it takes no move until it says again where it stands")]
     NotHeard {
         /// The joint.
@@ -128,7 +128,7 @@ pub enum ServiceError {
         /// The operation that was asked for.
         what: &'static str,
     },
-    /// Every move must be recorded, and nothing can be.
+    /// Every move must be recorded, but recording fails.
     #[error(
         "no move without a recording (recording.required), and nothing can be recorded: {reason}"
     )]
@@ -150,21 +150,21 @@ pub enum ServiceError {
     Gone,
 }
 
-/// Whose matter an error is; HTTP answers by it.
+/// The cause of an error; it decides the HTTP status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorKind {
     /// The request itself is wrong (HTTP 400, 422).
     Input,
-    /// The request is fine, but not now (HTTP 409).
+    /// The request is valid, but not possible now (HTTP 409).
     Conflict,
-    /// The disk does not take what has to be kept (HTTP 507).
+    /// The disk does not accept data that must be kept (HTTP 507).
     Storage,
-    /// Nobody can answer at present (HTTP 503).
+    /// No answer is possible at present (HTTP 503).
     Unavailable,
 }
 
 impl ServiceError {
-    /// No joint has that name; there are these.
+    /// No joint has that name; the error lists the known ones.
     pub fn unknown_joint<'a>(joint: &str, known: impl Iterator<Item = &'a str>) -> Self {
         Self::UnknownJoint {
             joint: joint.to_owned(),
@@ -172,7 +172,7 @@ impl ServiceError {
         }
     }
 
-    /// Whose matter it is.
+    /// The cause.
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::UnknownJoint { .. }

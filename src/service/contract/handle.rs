@@ -7,23 +7,23 @@ use tokio::sync::{broadcast, mpsc, oneshot, watch};
 
 use super::{Accepted, Batch, RecordingNews, Request, ServiceError, Snapshot};
 
-/// Stops that may wait, and requests of all other kinds; one more is refused at once.
+/// Most waiting stops, and most waiting requests of all other kinds; further ones are refused at once.
 const REQUESTS: usize = 64;
-/// Batches that a slow reader may be behind, some 10 s; then it loses the oldest.
+/// Batches that a slow reader may lag behind, some 10 s; then it loses the oldest.
 const BATCHES: usize = 512;
 
-/// A request and where its answer goes.
+/// A request with the channel for its answer.
 #[derive(Debug)]
 pub struct Envelope {
     /// The request.
     pub request: Request,
-    /// How many requests came before it.
+    /// Number of requests before it.
     pub number: u64,
     /// Where the answer goes.
     pub reply: oneshot::Sender<Result<Accepted, ServiceError>>,
 }
 
-/// The outside's end of the engine; cheap to clone.
+/// The clients' end of the engine; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Handle {
     stops: mpsc::Sender<Envelope>,
@@ -34,21 +34,21 @@ pub struct Handle {
     recordings: mpsc::UnboundedSender<RecordingNews>,
 }
 
-/// The engine's end of the outside.
+/// The engine's end of the channels to the clients.
 #[derive(Debug)]
 pub struct EngineEnds {
-    /// The requests, as they come.
+    /// The requests, in order of arrival.
     pub requests: Requests,
     /// Where the state of everything is published.
     pub snapshot: watch::Sender<Arc<Snapshot>>,
-    /// Where batches go; nobody need listen.
+    /// Receives the batches; a reader is optional.
     pub stream: broadcast::Sender<Arc<Batch>>,
-    /// The outcomes of recordings: a few words a move.
+    /// The outcomes of recordings: a short message for each move.
     pub recordings: mpsc::UnboundedReceiver<RecordingNews>,
 }
 
-/// The queue of requests, as it reaches the engine: a stop before all else. What was asked before a stop has a
-/// lower number than that, though it comes after it.
+/// The queue of requests as the engine reads it: a stop comes first. A request from before a stop has a lower
+/// number than the stop, though it is read after it.
 #[derive(Debug)]
 pub struct Requests {
     stops: mpsc::Receiver<Envelope>,
@@ -56,7 +56,7 @@ pub struct Requests {
 }
 
 impl Requests {
-    /// Waits for the next request; none where nobody can ask any more. Cancelled, it loses none.
+    /// Waits for the next request; `None` once no client is left. A cancelled wait loses none.
     pub async fn recv(&mut self) -> Option<Envelope> {
         tokio::select! {
             biased;
@@ -65,14 +65,14 @@ impl Requests {
         }
     }
 
-    /// The next request that is there already.
+    /// The next request, if one is waiting.
     pub fn try_recv(&mut self) -> Option<Envelope> {
         let stop = self.stops.try_recv();
         stop.or_else(|_| self.others.try_recv()).ok()
     }
 }
 
-/// Both ends, for the engine or for one that stands in for it in a test.
+/// Both ends, for the engine or for a stand-in in a test.
 pub fn channels(first: Snapshot) -> (Handle, EngineEnds) {
     let (stops, stops_asked) = mpsc::channel(REQUESTS);
     let (others, others_asked) = mpsc::channel(REQUESTS);
@@ -100,7 +100,7 @@ pub fn channels(first: Snapshot) -> (Handle, EngineEnds) {
 }
 
 impl Handle {
-    /// Asks for something and waits for the answer: some milliseconds, at a correction up to a second.
+    /// Sends a request and waits for the answer: some milliseconds, during a correction up to a second.
     ///
     /// # Errors
     /// [`ServiceError`] where it is refused; [`ServiceError::Busy`] where too many requests wait.
@@ -122,19 +122,19 @@ impl Handle {
         answer.await.unwrap_or(Err(ServiceError::Gone))
     }
 
-    /// The state of everything as last published.
+    /// The last published state.
     pub fn snapshot(&self) -> Arc<Snapshot> {
         Arc::clone(&self.snapshot.borrow())
     }
 
-    /// Wakes up whenever the state is published anew.
+    /// A receiver that wakes up at each new state.
     pub fn snapshots(&self) -> watch::Receiver<Arc<Snapshot>> {
         self.snapshot.clone()
     }
 
-    /// Says what became of a recording.
+    /// Reports the outcome of a recording.
     pub fn tell(&self, news: RecordingNews) {
-        // An engine that has ended shows no state any more.
+        // An engine that has ended shows no state.
         let _ = self.recordings.send(news);
     }
 

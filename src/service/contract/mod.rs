@@ -1,8 +1,8 @@
-//! The contract between engine and outside: requests, the state of everything, the stream.
+//! The contract between engine and clients: requests, state, stream.
 //!
-//! Plain data at the boundary, so that every name carries its unit. The outside holds a [`Handle`]
-//! and never waits for the tick, nor does the tick wait for it: the state is the last that was
-//! published, a reader of the stream that is too slow loses batches and is told how many.
+//! Plain data at the boundary, so that every name carries its unit. A client holds a [`Handle`]. Neither the
+//! client nor the tick waits for the other: the state is the last published one, and a reader of the stream
+//! that is too slow loses batches and is told how many.
 
 mod disk;
 mod enabling;

@@ -4,12 +4,12 @@ use serde::Serialize;
 
 use super::MoveResult;
 
-/// Some 20 ms of everything. The live view thins it, the recorder writes all of it.
+/// Some 20 ms of all data. The live view thins it, the recorder writes all of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batch {
-    /// Counted up by 1; a gap tells a slow reader what it lost.
+    /// Counted up by 1; a gap shows a slow reader what it lost.
     pub number: u64,
-    /// One row a tick and joint, in order of time.
+    /// One row for each tick and joint, in order of time.
     pub ticks: Vec<TickRow>,
     /// Measurements, in order of arrival.
     pub measured: Vec<Measured>,
@@ -17,7 +17,7 @@ pub struct Batch {
     pub events: Vec<Event>,
 }
 
-/// One joint at one tick; also at a tick that was missed and made up for, though nothing was sent.
+/// One joint at one tick. There is a row also for a missed tick that was made up for, though nothing was sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TickRow {
     /// Time on the service's clock, s.
@@ -32,13 +32,13 @@ pub struct TickRow {
     pub velocity: f64,
     /// Commanded acceleration, rad/s^2.
     pub acceleration: f64,
-    /// Last deformation, rad; not a number before the first.
+    /// Last deformation, rad; NaN before the first.
     pub deformation: f64,
     /// Stamp of the last deformation, s on the robot's clock.
     pub deformation_time: f64,
-    /// Last deformation along the tip's arc, m; not a number where the arc is not known.
+    /// Last deformation along the tip's arc, m; NaN where the arc is not known.
     pub tip_deformation: f64,
-    /// Estimated natural frequency, rad/s; not a number where there is no estimate.
+    /// Estimated natural frequency, rad/s; NaN where there is no estimate.
     pub natural_frequency: f64,
     /// One standard deviation of it, rad/s.
     pub natural_frequency_std: f64,
@@ -84,7 +84,7 @@ impl Quantity {
 /// One measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// When it was taken in, s on the service's clock.
+    /// Time of reception, s on the service's clock.
     pub received: f64,
     /// Its stamp on the sensor's own clock, s.
     pub stamp: f64,
@@ -92,7 +92,7 @@ pub struct Measured {
     pub joint: usize,
     /// The quantity.
     pub quantity: Quantity,
-    /// Its value; a scalar stands first.
+    /// Its value; a scalar is the first component.
     pub value: [f64; 3],
     /// Whether it was refused, and not used for the estimate.
     pub refused: bool,
@@ -104,7 +104,7 @@ pub struct Measured {
 pub enum Event {
     /// A move began.
     MoveStarted(MoveStart),
-    /// A move has ended and rung out; nothing more of it will come.
+    /// A move has ended and its vibration has decayed; no more data of it follow.
     MoveEnded(Box<MoveResult>),
 }
 
@@ -123,12 +123,12 @@ pub struct MoveStart {
     pub unix_time_s: f64,
     /// Where it begins, rad.
     pub from_rad: f64,
-    /// Where it shall end, rad.
+    /// Its target, rad.
     pub target_rad: f64,
     /// Shaper, `none` for an unshaped move.
     pub shaper: String,
-    /// Name under which it shall be recorded, where recordings are made. Whether it is on the disk is
-    /// told by [`MoveResult::recording`].
+    /// Name of its recording, if recordings are made. [`MoveResult::recording`] tells whether it is on the
+    /// disk.
     pub recording: Option<String>,
 }
 
@@ -160,8 +160,8 @@ pub struct Frame {
 }
 
 impl Batch {
-    /// The points of the live view: of each joint one row every `interval` s at most, by a grid of
-    /// the service's clock, so that successive batches join without a seam.
+    /// The points of the live view: for each joint at most one row every `interval` s, on a grid of the
+    /// service's clock, so that successive batches join without a gap.
     pub fn frames(&self, interval: f64) -> Vec<Frame> {
         let slot = |row: &TickRow| (row.time / interval).floor();
         let mut last = Vec::new();

@@ -1,8 +1,8 @@
-//! The health of the disk: the writes that failed last and have not worked since.
+//! The health of the disk: the last failed writes that have not succeeded since.
 
 use crate::service::contract::{DiskFault, DiskPart, DiskState, DiskView};
 
-/// A write that failed and has not worked since.
+/// Failed writes that have not succeeded since.
 #[derive(Debug, Default)]
 pub struct Health {
     faults: Vec<DiskFault>,
@@ -11,7 +11,7 @@ pub struct Health {
 }
 
 impl Health {
-    /// Something could not be written, at `now` (seconds since 1970). Told once, until it works again.
+    /// Notes a failed write at `now` (seconds since 1970). It is logged once, until a write succeeds.
     pub fn failed(&mut self, what: DiskPart, reason: &str, now: f64) {
         self.failures += 1;
         if !self.is_failing(what) {
@@ -24,7 +24,7 @@ impl Health {
         }
     }
 
-    /// Something was written.
+    /// Notes a successful write.
     pub fn worked(&mut self, what: DiskPart) {
         if self.is_failing(what) {
             tracing::info!(what = what.name(), "can be written again");
@@ -32,17 +32,17 @@ impl Health {
         }
     }
 
-    /// A recording is not whole on the shelf, and will not be.
+    /// Counts a recording that is incomplete on the shelf, for good.
     pub fn lost_recording(&mut self) {
         self.recordings_lost += 1;
     }
 
-    /// Whether something could not be written the last time.
+    /// Whether the last write failed.
     pub fn is_failing(&self, what: DiskPart) -> bool {
         self.faults.iter().any(|fault| fault.what == what)
     }
 
-    /// For the outside.
+    /// The view for clients.
     pub fn view(&self) -> DiskView {
         DiskView {
             state: match self.faults.is_empty() {

@@ -1,4 +1,4 @@
-//! One folder, one service: the lock on the data folder.
+//! The lock on the data folder: one service for each folder.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// The file that is locked. It stays when the service ends; only its lock counts.
+/// The locked file. It remains after the service has ended; only the lock counts.
 const FILE: &str = "quell.lock";
-/// The most that is read of it, bytes: a pid and a date are 50.
+/// Most bytes that are read of it: a pid and a date take 50.
 const LONGEST: u64 = 200;
 
 /// Why a data folder cannot be used.
@@ -26,7 +26,7 @@ pub enum FolderError {
         /// Process and start time, as the lock file has them.
         holder: String,
     },
-    /// It cannot be made, or the lock cannot be had.
+    /// It cannot be created, or the lock is not available.
     #[error("the data folder: {}: {error}", path.display())]
     System {
         /// The folder or the lock file.
@@ -36,18 +36,18 @@ pub enum FolderError {
     },
 }
 
-/// The lock, held until this is dropped or the process has ended in whatever way: it belongs to the
-/// open file, and the system closes that.
+/// The lock, held until this is dropped or the process ends in any way: it belongs to the open file, which the
+/// system closes.
 ///
-/// It is given back by name when it is dropped: a child process that is about to be started holds a copy of
-/// the open file for a moment, and closing ours alone would leave the folder locked as long.
+/// It is released explicitly when it is dropped. A child process that is about to be started holds a copy of
+/// the open file for a moment, so that closing our copy alone would leave the folder locked for as long.
 #[derive(Debug)]
 pub struct Lock {
     file: File,
 }
 
 impl Lock {
-    /// Takes the lock on a folder, for a process that says since when (seconds since 1970) it holds it.
+    /// Takes the lock on a folder; `since` (seconds since 1970) is written as its start time.
     ///
     /// # Errors
     /// [`FolderError::Taken`] where another service holds it.
@@ -71,7 +71,7 @@ impl Lock {
             Err(TryLockError::Error(error)) => return Err(system(error)),
         }
         if let Err(error) = sign(&mut file, since) {
-            // The lock holds all the same; only who holds it cannot be told.
+            // The lock is held all the same; only its holder cannot be shown.
             tracing::warn!(%error, "{}", path.display());
         }
         Ok(Self { file })
@@ -92,7 +92,7 @@ fn sign(file: &mut File, since: f64) -> io::Result<()> {
     writeln!(file, "process {pid}, since {since}")
 }
 
-/// Who holds the lock, as far as the file says it.
+/// The holder of the lock, if the file names it.
 fn holder(file: &mut File) -> String {
     let mut text = String::new();
     let read = file.take(LONGEST).read_to_string(&mut text);

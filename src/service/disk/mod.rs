@@ -1,10 +1,9 @@
-//! The data folder: who may write to it, how, and how well that goes.
+//! The data folder: its lock, its writes, and their errors.
 //!
-//! Everything that the service keeps goes through one [`Disk`]. A [`Storage`] does the work, so that a
-//! test can have a disk that is full at any call. What fails is remembered until it works again: state,
-//! metrics, page and log say so.
+//! All stored data go through one [`Disk`]. A [`Storage`] does the work, so that a test can simulate a full
+//! disk at any call. An error is kept until a write succeeds again: state, metrics, page and log report it.
 //!
-//! `docs/src/guide/disk.md` tells what is lost when.
+//! `docs/src/guide/disk.md` describes which data are lost when.
 
 mod health;
 mod lock;
@@ -23,13 +22,13 @@ pub use lock::FolderError;
 use lock::Lock;
 pub use storage::{FileSystem, Storage};
 
-/// The way to the disk; cheap to clone. As long as one clone lives, the lock on the folder is held.
+/// Access to the disk; cheap to clone. While a clone lives, the lock on the folder is held.
 #[derive(Clone, Debug)]
 pub struct Disk {
     storage: Arc<dyn Storage>,
     clock: ServiceClock,
     health: Arc<Mutex<Health>>,
-    /// Held by whoever may still write.
+    /// Held as long as something may be written.
     _lock: Option<Arc<Lock>>,
 }
 
@@ -40,7 +39,7 @@ impl Default for Disk {
 }
 
 impl Disk {
-    /// By this storage and the system's clock, without a lock.
+    /// With this storage and the system's clock, without a lock.
     pub fn new(storage: Arc<dyn Storage>) -> Self {
         Self {
             storage,
@@ -50,10 +49,10 @@ impl Disk {
         }
     }
 
-    /// By this storage, for the only service of a folder, which is made where needed.
+    /// With this storage, as the only service of a folder, which is created if needed.
     ///
     /// # Errors
-    /// [`FolderError`] where another service has it, or it cannot be made.
+    /// [`FolderError`] where another service uses it, or it cannot be created.
     pub fn of(folder: &Path, storage: Arc<dyn Storage>) -> Result<Self, FolderError> {
         fs::create_dir_all(folder).map_err(|error| FolderError::System {
             path: folder.into(),
@@ -67,7 +66,7 @@ impl Disk {
         })
     }
 
-    /// The same by another clock, which says since when something fails.
+    /// The same with another clock, which gives the times of errors.
     pub fn on_clock(self, clock: ServiceClock) -> Self {
         Self { clock, ..self }
     }
@@ -77,10 +76,10 @@ impl Disk {
         &*self.storage
     }
 
-    /// Writes a file: whoever reads it finds what was there before or this, whole, whatever happens.
+    /// Writes a file atomically: a reader always finds the old or the new content, complete.
     ///
     /// # Errors
-    /// The system's error. What was there before is still there then.
+    /// The system's error. The old content is then still there.
     pub fn write_whole(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         let beside = beside(path);
         let written = (|| {
@@ -92,18 +91,18 @@ impl Disk {
             self.storage.rename(&beside, path)
         })();
         if let Err(error) = written {
-            // It would only take room; where it cannot be removed either, the next attempt replaces it.
+            // It would only take room; if it cannot be removed, the next attempt replaces it.
             let _ = self.storage.remove(&beside);
             return Err(error);
         }
         match path.parent() {
-            // The new name is on the medium only once its folder is.
+            // The new name is durable only once its folder is synced.
             Some(folder) if !folder.as_os_str().is_empty() => self.storage.sync(folder),
             _ => self.storage.sync(Path::new(".")),
         }
     }
 
-    /// Remembers how an attempt to write went, and passes its result on.
+    /// Notes the result of a write, and returns it.
     ///
     /// # Errors
     /// That of the attempt.
@@ -118,35 +117,35 @@ impl Disk {
         result
     }
 
-    /// Counts a recording that is not whole on the shelf.
+    /// Counts a recording that is incomplete on the shelf.
     pub fn lost_recording(&self) {
         self.health().lost_recording();
     }
 
-    /// Whether something could not be written the last time.
+    /// Whether the last write failed.
     pub fn is_failing(&self, what: DiskPart) -> bool {
         self.health().is_failing(what)
     }
 
-    /// Why something could not be written, as long as that is so.
+    /// Why the last write failed, as long as none has succeeded since.
     pub fn fault(&self, what: DiskPart) -> Option<String> {
         let view = self.health().view();
         let fault = view.faults.into_iter().find(|fault| fault.what == what);
         fault.map(|fault| fault.reason)
     }
 
-    /// For the outside.
+    /// The view for clients.
     pub fn view(&self) -> DiskView {
         self.health().view()
     }
 
     fn health(&self) -> MutexGuard<'_, Health> {
-        // Counts and texts are right even if somebody panicked beside them.
+        // Counts and texts are valid even if a thread panicked.
         self.health.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// Where a file is written before it takes its name.
+/// Temporary file that is written before it takes the final name.
 pub fn beside(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(".new");

@@ -1,4 +1,4 @@
-//! The operations by which the service changes its data folder, and the file system that does them.
+//! The write operations on the data folder, and the file system that implements them.
 
 use std::fmt::Debug;
 use std::fs::{self, File};
@@ -7,29 +7,29 @@ use std::path::Path;
 
 use crate::recording::Sink;
 
-/// The operations that the service needs of a disk. Reading goes past it: a disk that takes nothing can still be read.
+/// The disk operations that the service needs. Reading does not use it: a full disk can still be read.
 ///
-/// An implementation of a test may refuse any call, or lose what was not synced.
+/// An implementation for a test may refuse any call, or lose unsynced data.
 pub trait Storage: Debug + Send + Sync {
-    /// Makes a file, empty where it was there before, and gives what writes into it.
+    /// Creates an empty file, replacing an old one, and returns its writer.
     ///
     /// # Errors
     /// The system's error.
     fn create(&self, path: &Path) -> io::Result<Sink>;
 
-    /// Makes a folder within one that is there. One that is there already is no error.
+    /// Creates a folder within an existing one. It is no error if the folder exists.
     ///
     /// # Errors
     /// The system's error.
     fn create_folder(&self, path: &Path) -> io::Result<()>;
 
-    /// Waits until a file's bytes, or a folder's names, are on the medium.
+    /// Waits until a file's bytes, or a folder's entries, are durable.
     ///
     /// # Errors
     /// The system's error.
     fn sync(&self, path: &Path) -> io::Result<()>;
 
-    /// Gives a file or folder another name; a file of that name is replaced, at once and whole.
+    /// Renames a file or folder; an existing file of that name is replaced atomically.
     ///
     /// # Errors
     /// The system's error.

@@ -1,4 +1,4 @@
-//! A controller for a joint as the configuration describes it.
+//! Construction of a joint's controller from the configuration.
 
 use quell_shapers::{GridTrain, Mode, Shaper, ShaperError, UncertainMode};
 
@@ -9,9 +9,9 @@ use crate::service::config::JointConfig;
 use crate::service::link::INBOX;
 use crate::signal::{DeformationSensor, RestRule};
 
-/// No correction is made in a move longer than this, s; sizes the memory of what was sent.
+/// Longest move with a correction, s; sizes the memory of the sent command.
 const LONGEST_MOVE: f64 = 20.0;
-/// Longest train, in periods of the lowest plausible frequency: as in the simulated cell.
+/// Longest train, in periods of the lowest plausible frequency: as in the simulation.
 const LONGEST_TRAIN: f64 = 4.0;
 
 /// A controller of a joint at rest at `position` (rad), shaping for `mode`.
@@ -34,7 +34,7 @@ pub fn controller(
         retune: RetunePolicy::InMotion,
         estimator: joint.estimator,
         estimation: Settings {
-            // What may be accepted must be looked for.
+            // Every frequency that may be accepted must be in the estimator's range.
             frequency_range: (low, high),
             ..Settings::around(mode, 1.0 / joint.sensor_rate)
         },
@@ -45,7 +45,7 @@ pub fn controller(
         longest_move: LONGEST_MOVE,
     };
     let mut controller = Controller::new(settings, position)?;
-    // Those of a tick: it hands them on.
+    // Those of one tick, which hands them on.
     controller.keep_samples(INBOX);
     controller.keep_spare();
     Ok(controller)
@@ -56,7 +56,7 @@ pub fn longest_train(joint: &JointConfig) -> f64 {
     LONGEST_TRAIN * joint.belief.damped_period()
 }
 
-/// The train of a shaper for a mode that is known so well; none sends the plan as it is.
+/// The train of a shaper for a mode with its uncertainty; without a shaper the plan is sent unshaped.
 pub fn train(
     shaper: Option<&'static dyn Shaper>,
     known: &UncertainMode,

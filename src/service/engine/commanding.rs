@@ -1,4 +1,4 @@
-//! Which joints are commanded: from where they stand still, and while they are heard.
+//! Which joints are commanded: those that stood still at the start, while their measurements arrive.
 
 use quell_shapers::Setpoint;
 
@@ -34,7 +34,7 @@ impl Engine {
         }
     }
 
-    /// The embedded arm needs no waiting: it stands where it stands.
+    /// The embedded arm is commanded at once: its position is known.
     pub(super) fn begin_embedded(&mut self) {
         if let Some(arm) = &self.arm {
             let position = arm.true_motor_position();
@@ -42,7 +42,7 @@ impl Engine {
         }
     }
 
-    /// A joint is not heard any more. Where moves were enabled that is a fault, which the tick tells.
+    /// Handles a joint that has fallen silent. If moves were enabled, that is a fault, which the tick reports.
     pub(super) fn lost(&mut self, index: usize) {
         let joint = &mut self.joints[index];
         if !joint.began {
@@ -52,7 +52,7 @@ impl Engine {
         joint.hearing = Hearing::Lost;
     }
 
-    /// It says again where its motor side stands, rad.
+    /// Handles a joint whose motor side is measured again, at this position, rad.
     pub(super) fn back(&mut self, index: usize, position: f64) {
         let joint = &mut self.joints[index];
         if joint.began {
@@ -60,7 +60,8 @@ impl Engine {
         }
     }
 
-    /// A joint that is heard again may go on where it was left; one that was moved may not.
+    /// Resumes a joint that is measured again, if it stands where it was left. A joint that was moved cannot go
+    /// on.
     pub(super) fn look_again(&mut self, index: usize, now: f64) {
         let joint = &mut self.joints[index];
         let settled = joint.running.as_ref().map(|running| running.settled);
@@ -78,7 +79,7 @@ impl Engine {
         }
     }
 
-    /// Ceases to command a joint until it stands still.
+    /// Stops commanding a joint until it stands still.
     pub(super) fn cease(&mut self, index: usize) {
         self.finish(index);
         let joint = &mut self.joints[index];

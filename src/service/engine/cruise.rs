@@ -1,4 +1,4 @@
-//! The deformation in the stretches of a move in which nothing accelerates.
+//! The deformation of a move in its stretches without acceleration.
 
 use quell_shapers::Mode;
 
@@ -9,18 +9,18 @@ use crate::service::ringing::{STEADY, largest};
 /// The vibration measured in cruise.
 #[derive(Clone, Debug)]
 pub struct Cruise {
-    /// How long the command still accelerates after its plan, and the motor side follows, s.
+    /// Time in which the command still accelerates after its plan and the motor side follows, s.
     follows: f64,
     /// Planned position and its increment at the tick before.
     before: Option<(f64, f64)>,
-    /// Until when the deformation is forced, s.
+    /// End of the forced deformation, s.
     forced_until: f64,
-    /// Stamp and deformation in rad, a list for each stretch.
+    /// Stamps and deformations in rad, one list for each stretch.
     stretches: Vec<Vec<(f64, f64)>>,
 }
 
 impl Cruise {
-    /// Of a move whose longest train lasts `train` s.
+    /// For a move whose longest train lasts `train` s.
     pub fn new(train: f64) -> Self {
         Self {
             follows: train + FOLLOWED,
@@ -30,7 +30,7 @@ impl Cruise {
         }
     }
 
-    /// Takes what was commanded and measured at a tick.
+    /// Takes command and measurement of a tick.
     pub fn take(&mut self, row: &TickRow) {
         let (position, increment) = self.before.unwrap_or((row.planned, 0.0));
         let now = row.planned - position;
@@ -65,7 +65,7 @@ impl Cruise {
         }
     }
 
-    /// The largest amplitude in cruise, rad; none where no stretch lasts long enough.
+    /// The largest amplitude in cruise, rad; `None` where no stretch is long enough.
     pub fn vibration(&self, mode: Mode, sure: bool) -> Option<f64> {
         let each = self.stretches.iter();
         each.filter_map(|stretch| largest(stretch, mode, sure))

@@ -1,4 +1,4 @@
-//! Whether moves may begin: disabled after the start, enabled by a request and by nothing else, faulted by the tick.
+//! Whether moves may begin: disabled after the start, enabled only by a request, faulted by the tick.
 //!
 //! ```text
 //!            enable                fault
@@ -7,9 +7,9 @@
 //!    '-------------------reset----------------'
 //! ```
 //!
-//! The monitors (silence, following error, sensors, missed ticks) stand at the [tick](crate::service::tick), which
-//! closes its [gate](crate::service::tick::gate) at once. All that was asked for is withdrawn then, and each joint
-//! is brought to rest.
+//! The monitors (silence, following error, sensors, missed ticks) run in the [tick](crate::service::tick),
+//! which closes its [gate](crate::service::tick::gate) at once. All pending requests are then withdrawn, and
+//! each joint is brought to rest.
 
 use super::Engine;
 use super::joint::Hearing;
@@ -20,16 +20,16 @@ use crate::service::guard::Fault;
 use crate::service::tick::ToTick;
 use crate::service::tick::gate::{Cause, Trip};
 
-/// The state as the engine knows it.
+/// The state in the engine.
 pub struct Enabling {
-    /// What is shown of it.
+    /// Its view for clients.
     pub view: EnableView,
     /// Number of the present or last permit to move.
     pub permit: u64,
 }
 
 impl Enabling {
-    /// Disabled, since the service has started.
+    /// Disabled since the start of the service.
     pub fn at_start(unix_time: f64) -> Self {
         Self {
             view: EnableView {
@@ -41,10 +41,10 @@ impl Enabling {
         }
     }
 
-    /// Whether a move may be asked for.
+    /// Whether a move may be requested.
     ///
     /// # Errors
-    /// [`ServiceError::NotEnabled`] with the reason, and what has to be done.
+    /// [`ServiceError::NotEnabled`] with the reason and the remedy.
     pub fn allows_moves(&self) -> Result<(), ServiceError> {
         let way = match self.view.state {
             EnableState::Enabled => return Ok(()),
@@ -70,7 +70,7 @@ impl Enabling {
 }
 
 impl Engine {
-    /// Lets moves begin, where every joint is commanded, heard, and where it is commanded to be.
+    /// Enables moves, if every joint is commanded, measured, and at its commanded position.
     pub(super) fn enable(&mut self) -> Result<Accepted, ServiceError> {
         if self.stopping.is_some() {
             return Err(ServiceError::Stopping);
@@ -94,7 +94,7 @@ impl Engine {
         Ok(self.enabling_now())
     }
 
-    /// Stops every joint and lets no move begin. A fault stays one.
+    /// Stops every joint and disables moves. A fault stays.
     pub(super) fn disable(&mut self) -> Accepted {
         if self.enabling.view.state == EnableState::Enabled {
             self.rings.orders.push(ToTick::Disable);
@@ -107,7 +107,7 @@ impl Engine {
         self.enabling_now()
     }
 
-    /// Takes a fault back. A joint that is not where it was left is commanded anew from where it stands still.
+    /// Resets a fault. A joint that is not where it was left is commanded again from its standstill.
     pub(super) fn reset(&mut self) -> Accepted {
         if self.enabling.view.state == EnableState::Faulted {
             let reason = format!("a fault was reset ({})", self.enabling.view.reason);
@@ -133,7 +133,7 @@ impl Engine {
         }
     }
 
-    /// Shown at once: whoever acts by the state acts by this one.
+    /// Publishes the state at once, so that a client acts on this one.
     fn enabling_now(&self) -> Accepted {
         self.publish();
         let state = self.enabling.view.state;
@@ -165,7 +165,7 @@ impl Engine {
         Ok(())
     }
 
-    /// The tick has closed its gate.
+    /// Handles a closed gate of the tick.
     pub(super) fn tripped(&mut self, trip: Trip) {
         let joint = trip.joint.map(|index| &self.joints[index]);
         let name = joint.map_or("", |joint| &joint.config.name);

@@ -1,9 +1,10 @@
-//! The feed: the share of full speed at which everything moves. A change acts on moves that run, too.
+//! The feed: the share of full speed at which everything moves. A change acts on running moves, too.
 //!
-//! A move that runs goes on along its own plan at another rate (`quell_trajectories::RateRamp`), by the shortest change of the rate that keeps the
-//! limits. The train acts on that motion in its own time, which does not change, so that what it cancels it cancels still. Joints
-//! that began with one tick change with one tick, and end with one tick still. Where the limits do not let the rate change, as while
-//! a move brakes at its limit, it is tried again.
+//! A running move continues on its own plan at another rate (`quell_trajectories::RateRamp`), by the shortest
+//! change of the rate that keeps the limits. The train acts on that motion in its own, unchanged time, so that
+//! it still cancels the same vibration. Joints that began with the same tick change with the same tick, and
+//! still end with the same tick. If the limits do not allow a change yet, for example while a move brakes at
+//! its limit, it is tried again.
 
 use quell_trajectories::{Limits, RateRamp, SampledTrajectory};
 
@@ -20,7 +21,7 @@ struct Member<'a> {
     running: &'a Running,
     /// The sample of its plan before the change.
     sample: usize,
-    /// The rate that it is to reach.
+    /// Its target rate.
     rate: f64,
     /// Length of its train, s.
     train: f64,
@@ -29,7 +30,7 @@ struct Member<'a> {
 }
 
 impl Engine {
-    /// Changes the share of full speed (0 to 1). At none all that moves is stopped.
+    /// Changes the share of full speed (0 to 1). At 0 all motion is stopped.
     pub(super) fn change_feed(&mut self, share: f64) -> Result<Accepted, ServiceError> {
         if !(0.0..=1.0).contains(&share) {
             return Err(ServiceError::Value {
@@ -46,15 +47,16 @@ impl Engine {
         Ok(Accepted::Changed)
     }
 
-    /// The limits of a move of a joint, whose own limits are these, at the present feed.
+    /// The limits of a joint's move at the present feed, from its own limits.
     ///
-    /// With `v f`, `a f^2` and `j f^3` the plan from rest to rest is the same one, `1 / f` as long: the path stays.
+    /// With `v f`, `a f^2` and `j f^3` the plan from rest to rest is the same, `1 / f` as long: the path does
+    /// not change.
     pub(super) fn fed(&self, limits: Limits, speed: f64) -> Limits {
         let velocity = limits.velocity.min(speed);
         Limits { velocity, ..limits }.slowed(self.feed)
     }
 
-    /// Has moves that run go on at the present feed.
+    /// Adapts running moves to the present feed.
     pub(super) fn follow_feed(&mut self) {
         if self.feed == 0.0 {
             return;
@@ -72,7 +74,7 @@ impl Engine {
                 None => *other == index,
             };
             let members: Vec<usize> = (0..self.joints.len()).filter(with).collect();
-            // Several are changed by their first one.
+            // Several joints are changed by their first one.
             if members[0] == index
                 && let Some(changes) = self.changes(&members)
             {
@@ -81,7 +83,7 @@ impl Engine {
         }
     }
 
-    /// The move of a joint, if it runs at another feed than it should, and nothing else is asked of the joint.
+    /// The move of a joint, if it runs at another feed than the present one and no other request is pending.
     fn runs_at_another_feed(&self, index: usize) -> Option<&Running> {
         let joint = &self.joints[index];
         let free = joint.asked.is_none() && joint.ordered.is_empty() && joint.change.is_none();
@@ -90,7 +92,8 @@ impl Engine {
         (goes_on && running.pacing.feed != self.feed).then_some(running)
     }
 
-    /// The rest of the plans of joints at the present feed, and where it begins; none where the limits do not let the rate change yet.
+    /// The rest of the plans of joints at the present feed, and the tick at which it begins; `None` where the
+    /// limits do not allow the change yet.
     fn changes(&self, indices: &[usize]) -> Option<(u64, Vec<(usize, Change)>)> {
         let tick = self.next_tick() + (AHEAD / self.config.period).ceil() as u64;
         let goes_on = |index: &&usize| {
@@ -138,7 +141,8 @@ impl Engine {
         })
     }
 
-    /// The rest of the plans of joints by ramps of a duration (s), so that all end with the one that ends last at the feed.
+    /// The rest of the plans of joints by ramps of a duration (s), so that all end with the one that ends last
+    /// at the feed.
     fn with_ramp(
         &self,
         members: &[Member<'_>],
@@ -207,14 +211,14 @@ impl Engine {
         }
     }
 
-    /// The tick has changed the rate of a joint, if that is what this plan is.
+    /// Handles an accepted change of rate, if the plan is one.
     pub(super) fn change_taken(&mut self, taken: &Taken) -> bool {
         let joint = &mut self.joints[taken.plan.joint];
         let ticket = taken.plan.ticket;
         let Some(change) = joint.change.take_if(|change| change.ticket == ticket) else {
             return false;
         };
-        // What is asked for by now was planned for the motion before.
+        // A pending request was planned for the previous motion.
         if let Some(asked) = &mut joint.asked {
             asked.again = true;
         }
@@ -237,7 +241,7 @@ impl Engine {
         true
     }
 
-    /// The tick has not changed the rate of a joint, if that is what this plan is: it is tried again.
+    /// Handles a refused change of rate, if the plan is one: it is tried again.
     pub(super) fn change_not_taken(&mut self, plan: &Plan, why: &NotTaken) -> bool {
         let joint = &mut self.joints[plan.joint];
         let change = joint.change.take_if(|change| change.ticket == plan.ticket);

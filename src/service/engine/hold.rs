@@ -1,4 +1,4 @@
-//! A joint that is held moving, as it is remembered.
+//! State of a joint that is jogged.
 
 /// A hold.
 #[derive(Clone, Copy, Debug)]
@@ -7,19 +7,19 @@ pub struct Jog {
     pub hold: u64,
     /// Wanted velocity, rad/s.
     pub velocity: f64,
-    /// When it is over unless it is renewed, s.
+    /// Time at which it ends unless renewed, s.
     pub until: f64,
-    /// Whether it moves nothing any more.
+    /// Whether it has ended.
     pub over: bool,
 }
 
 impl Jog {
-    /// It moves nothing any more.
+    /// Ends the hold.
     pub fn end(&mut self) {
         self.over = true;
     }
 
-    /// Whether it still does.
+    /// Whether it still moves the joint.
     pub fn holds(&self) -> bool {
         !self.over
     }

@@ -1,8 +1,8 @@
-//! Moves by hand: a joint moves while somebody holds it moving, and at most at the speed that feed and limits allow.
+//! Jogging: a joint moves while a client holds it moving, at most at the speed that feed and limits allow.
 //!
-//! A hold is one press of a button. Its client says so again and again; once it has not for [`HELD`] the joint is
-//! stopped as by a stop, jerk-limited. A hold that has ended, for whatever reason, moves nothing any more: who
-//! pressed before a stop has to let go and press again.
+//! A hold is one press of a button. The client renews it repeatedly. If it has not for [`HELD`], the joint is
+//! stopped as by a stop, jerk-limited. A hold that has ended for any reason stays ended: after a stop the user
+//! must release the button and press again.
 
 use super::Engine;
 use super::hold::Jog;
@@ -10,12 +10,12 @@ use super::joint::{Reply, What};
 use super::orders::answer;
 use crate::service::contract::{Accepted, ServiceError};
 
-/// Time after which a hold that is not renewed is over, s: of renewals ten times a second one may be late by more
-/// than its time, as on a wireless network. At the end the joint stops.
+/// Time after which a hold that is not renewed ends, s. With ten renewals a second one may be late by more than
+/// its period, as on a wireless network. At the end the joint stops.
 pub const HELD: f64 = 0.25;
 
 impl Engine {
-    /// Begins or renews a hold; at no velocity it ends.
+    /// Begins or renews a hold; velocity 0 ends it.
     pub(super) fn jog(&mut self, joint: &str, velocity: f64, hold: u64, reply: Reply) {
         match self.held(joint, velocity, hold) {
             Ok(Some((index, what))) => self.ask(index, what, Some(reply)),
@@ -24,7 +24,7 @@ impl Engine {
         }
     }
 
-    /// What is to be asked for, where the hold is not only renewed.
+    /// The motion to request, if the hold is not only renewed.
     fn held(
         &mut self,
         name: &str,
@@ -48,7 +48,7 @@ impl Engine {
             if own.is_some_and(|jog| jog.holds()) {
                 self.stop(index, ServiceError::Stopped);
             } else if !last.is_some_and(|jog| jog.holds()) {
-                // Let go before its first word was here, which may come still.
+                // Released before its first message arrived, which may still come.
                 self.joints[index].jog = Some(Jog {
                     hold,
                     velocity,
@@ -91,14 +91,14 @@ impl Engine {
         Ok(Some((index, what)))
     }
 
-    /// Something else is asked of a joint.
+    /// Ends a hold because of another request for the joint.
     pub(super) fn end_hold(&mut self, index: usize) {
         if let Some(jog) = &mut self.joints[index].jog {
             jog.end();
         }
     }
 
-    /// Stops what is not held any more at `now` (s).
+    /// Stops joints whose hold has run out at `now` (s).
     pub(super) fn end_holds(&mut self, now: f64) {
         for index in 0..self.joints.len() {
             let late = |jog: Jog| jog.holds() && now > jog.until;

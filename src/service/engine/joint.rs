@@ -1,4 +1,4 @@
-//! One joint as the engine sees it: what it is told, what it does, what was learned of it.
+//! One joint in the engine: its requests, its motion, its learned modes.
 
 use quell_shapers::{Mode, Setpoint, Shaper, UncertainMode};
 use quell_trajectories::SampledTrajectory;
@@ -15,14 +15,14 @@ use crate::service::contract::{Accepted, Phase, ServiceError, WatchdogState};
 use crate::service::tick::{AxisReport, JointReport, Together, Train};
 use crate::signal::DeformationSensor;
 
-/// Where the answer to a request goes, if anybody waits for it.
+/// The channel for the answer to a request, if a client waits for it.
 pub type Reply = oneshot::Sender<Result<Accepted, ServiceError>>;
 
 /// A joint.
 pub struct Joint {
-    /// As it is configured.
+    /// Its configuration.
     pub config: JointConfig,
-    /// From its measurements to the deformation; with an arc where lengths can be told.
+    /// Computes the deformation from its measurements; with an arc where lengths are known.
     pub sensor: DeformationSensor,
     /// The rule that designs trains, while shaping is on.
     pub shaper: &'static dyn Shaper,
@@ -32,56 +32,56 @@ pub struct Joint {
     pub adaptation: bool,
     /// The mode that is shaped for.
     pub mode: Mode,
-    /// A mode that somebody asked for and that the tick has not taken yet.
+    /// A requested mode that the tick has not taken yet.
     pub wanted_mode: Option<Mode>,
-    /// Since when the mode is what it is, seconds since 1970.
+    /// Time of the last change of the mode, seconds since 1970.
     pub mode_since: f64,
-    /// Whether the train in force is not the one that should be.
+    /// Whether the train in force is to be replaced.
     pub train_due: bool,
-    /// Changes of the train by an estimate that the present controller has told.
+    /// Number of changes of the train by an estimate that the present controller has reported.
     pub retunes: u32,
-    /// And those of the controllers before it, of corrections, and of corrections refused.
+    /// The number of the controllers before, of corrections, and of refused corrections.
     pub before: [u64; 3],
     /// The last report of the tick.
     pub report: Option<JointReport>,
-    /// Plan and command as the tick told them last, whichever controller they are of.
+    /// Last reported plan and command, of whichever controller.
     pub commanded: Option<[Setpoint; 2]>,
-    /// Where the command stands once it is at rest, rad.
+    /// Position of the command at rest, rad.
     pub position: f64,
     /// Whether the tick commands the joint.
     pub began: bool,
-    /// Whether the tick hears it.
+    /// Whether the tick receives its measurements.
     pub hearing: Hearing,
-    /// Whether it shall stop and the tick has not taken a plan for it yet.
+    /// Whether it is to stop and the tick has not taken a plan for that yet.
     pub stop_due: bool,
-    /// The move that runs, or rings out.
+    /// The running move, or one whose vibration decays.
     pub running: Option<Running>,
     /// The order that has not begun yet.
     pub asked: Option<Asked>,
     /// The last hold that jogged it.
     pub jog: Option<Jog>,
-    /// Plans that the tick was given and has not answered. It may have begun any of them.
+    /// Plans that the tick has not answered yet. It may have begun any of them.
     pub ordered: Vec<Ordered>,
     /// A change of its move's rate that the tick has not answered.
     pub change: Option<Change>,
-    /// Whether the motor side stands still, while the joint is not commanded.
+    /// Whether its motor side stands still, while it is not commanded.
     pub standstill: Standstill,
     /// Last measured motor position, rad.
     pub motor: Option<f64>,
-    /// What its moves have taught.
+    /// Knowledge from its moves.
     pub learning: Learning,
-    /// Learns where the tip's sensor stands, as long as that is not known.
+    /// Registers the tip's sensor, as long as its frame is not known.
     pub registrar: Option<Registrar>,
 }
 
-/// Whether the tick hears a joint that it commands.
+/// Whether the tick receives measurements of a joint that it commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hearing {
-    /// It is heard, or does not have to be.
+    /// It does, or need not.
     Heard,
-    /// It is not.
+    /// It does not.
     Lost,
-    /// It is again, and is not known yet to stand where it was left.
+    /// It does again, but whether the joint stands where it was left is not known yet.
     Back,
 }
 
@@ -93,21 +93,21 @@ pub struct Asked {
     pub id: u64,
     /// Number of its present plan.
     pub ticket: u64,
-    /// Ticks ahead for which it was planned, in motion.
+    /// Number of ticks ahead for which it was planned, in motion.
     pub ahead: u64,
     /// The plans of other joints that it begins with.
     pub together: Option<Together>,
-    /// Share of the limits of acceleration and jerk that it uses, in motion.
+    /// Share of the acceleration and jerk limits that it uses, in motion.
     pub effort: f64,
-    /// After this time (s) it is given up.
+    /// Time (s) after which it is given up.
     pub deadline: f64,
-    /// Whether it has to be planned anew, the tick not having taken it.
+    /// Whether it must be planned again, because the tick did not take it.
     pub again: bool,
-    /// Who waits.
+    /// The client that waits.
     pub reply: Option<Reply>,
 }
 
-/// A plan that the tick was given and has not answered.
+/// A plan that the tick has not answered yet.
 pub struct Ordered {
     /// Number of the plan.
     pub ticket: u64,
@@ -125,17 +125,17 @@ pub struct Ordered {
     pub shaper: Option<&'static dyn Shaper>,
     /// The plans of other joints that it begins with.
     pub together: Option<Together>,
-    /// Who asked for it, where that was withdrawn meanwhile.
+    /// The client of a request that was withdrawn in the meantime.
     pub withdrawn: Option<Withdrawn>,
 }
 
-/// Who asked for what was withdrawn. The answer is the tick's: it may have begun already.
+/// The client of a withdrawn request. The answer depends on the tick, which may have begun it already.
 pub struct Withdrawn {
     /// Where the answer goes.
     pub reply: Reply,
-    /// The answer, where its plan was not begun.
+    /// The answer if its plan was not begun.
     pub why: ServiceError,
-    /// Time at which it is given in any case, s.
+    /// Latest time of the answer, s.
     pub until: f64,
 }
 
@@ -146,7 +146,7 @@ pub enum What {
     Move {
         target: f64,
         shaper: Option<Option<&'static dyn Shaper>>,
-        /// Most speed of the plan, rad/s; infinite where only the limits bound it.
+        /// Largest speed of the plan, rad/s; infinite where only the limits bound it.
         speed: f64,
         /// Whether it is as fast as a tolerance allows.
         within: bool,
@@ -161,7 +161,7 @@ impl Joint {
         self.shaping.then_some(self.shaper)
     }
 
-    /// The mode of the next train, as well as it is known: as well as when it was learned, if it was.
+    /// The mode of the next train, with its uncertainty: that of when it was learned, if it was.
     pub fn known(&self) -> UncertainMode {
         let mode = self.wanted_mode.unwrap_or(self.mode);
         let shaped_for = self.axis().map(|axis| axis.status.shaped_for);
@@ -169,7 +169,7 @@ impl Joint {
         learned.unwrap_or_else(|| UncertainMode::believed(mode))
     }
 
-    /// The train that its moves have taught last, where that is still the one by this rule.
+    /// The train that was last solved from its moves, if this rule still uses it.
     pub fn solved_train(&self, shaper: Option<&'static dyn Shaper>) -> Option<&Train> {
         let solved = self.learning.solved.as_ref()?;
         let same = name_of(solved.shaper) == name_of(shaper) && solved.retunes == self.retunes;
@@ -188,11 +188,11 @@ impl Joint {
             .is_none_or(|move_| move_.settled.is_some())
     }
 
-    /// Whether it can be asked for a move.
+    /// Whether it accepts a move.
     ///
     /// # Errors
-    /// [`ServiceError::NoMeasurement`] before it is commanded, [`ServiceError::NotHeard`] while it is not
-    /// heard, [`ServiceError::Stopped`] until the tick has begun a stop.
+    /// [`ServiceError::NoMeasurement`] before it is commanded, [`ServiceError::NotHeard`] while measurements
+    /// are missing, [`ServiceError::Stopped`] until the tick has begun a stop.
     pub fn takes_moves(&self) -> Result<(), ServiceError> {
         let joint = || self.config.name.clone();
         match self.hearing {
@@ -203,7 +203,7 @@ impl Joint {
         }
     }
 
-    /// The plan that is on its way for what is wanted.
+    /// The plan under way for this order.
     pub fn ordered_for(&self, asked: &Asked) -> Option<&Ordered> {
         let mut ordered = self.ordered.iter();
         ordered.find(|ordered| ordered.ticket == asked.ticket)
@@ -219,7 +219,7 @@ impl Joint {
         }
     }
 
-    /// Whether it is commanded and not heard.
+    /// Whether it is commanded but not measured.
     pub fn is_unheard(&self) -> bool {
         self.began && self.hearing != Hearing::Heard
     }

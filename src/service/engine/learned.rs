@@ -1,35 +1,35 @@
-//! What was learned of a joint, as the engine knows it.
+//! Learned modes of a joint, as the engine knows them.
 
 use std::sync::Arc;
 
 use crate::service::contract::{JointMap, LearningView};
 use crate::service::tick::Train;
 
-/// What stands in the place of a rule's name where a plan was made within a tolerance.
+/// Replaces the shaper's name for a plan within a tolerance.
 pub const WITHIN: &str = "tolerance";
 
 /// What was learned of a joint.
 #[derive(Default)]
 pub struct Learning {
-    /// Modes that the learner knows.
+    /// Number of modes that the learner knows.
     pub modes: usize,
-    /// What is told of them.
+    /// Their view for clients.
     pub view: LearningView,
     /// Their map.
     pub map: Arc<JointMap>,
-    /// The train that was solved last; none where another one is to stand.
+    /// The train that was solved last; `None` if another one is to be used.
     pub solved: Option<Train>,
-    /// Until when the order of this ticket waits for its train, s.
+    /// Ticket of an order that waits for its train, and the end of the wait, s.
     pub waits: Option<(u64, f64)>,
     /// The plan in motion whose train is being solved.
     pub turn: Option<Turn>,
-    /// When the plan in motion was looked at last along its way, s.
+    /// Time of the last evaluation of the plan in motion, s.
     pub looked: f64,
-    /// The last plan that was given the train that was solved for it.
+    /// The last plan that got the train solved for it.
     pub prescribed: Option<u64>,
 }
 
-/// A plan that began in motion, and whose train is being solved meanwhile.
+/// A plan that began in motion while its train is being solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Turn {
     /// Number of the question.

@@ -1,7 +1,7 @@
-//! Between the moves: what the learners are told of a move, and the train that they solve for the next one.
+//! Learning between moves: the reports of moves to the learners, and their trains for the next moves.
 //!
-//! A move from rest waits for its train, but no longer than [`PATIENCE`]: it is then made with the one that stands. A train goes
-//! to the tick with the plan that it was solved for.
+//! A move from rest waits for its train, but at most for [`PATIENCE`]; then it uses the standing one. A train
+//! goes to the tick with the plan for which it was solved.
 
 use quell_shapers::{Shaper, UncertainMode};
 use quell_trajectories::SampledTrajectory;
@@ -19,17 +19,17 @@ use crate::service::contract::{
 use crate::service::learners::{Ended, Job, Judged, Said, Wanted};
 use crate::service::tick::{Start, Train};
 
-/// Time that a move waits for its train, s: a person notices no less.
+/// Most time that a move waits for its train, s: hardly noticeable.
 pub(super) const PATIENCE: f64 = 0.1;
-/// Time that the result of a move waits to be judged, s: a fit takes up to 0.48 s on a busy machine, and those of several joints stand
-/// behind one another.
+/// Most time that the result of a move waits to be judged, s. A fit takes up to 0.48 s on a busy machine, and
+/// those of several joints queue.
 const JUDGED: f64 = 2.0;
 
 /// A move that has ended and is being judged.
 pub struct Ending {
     result: MoveResult,
     joint: usize,
-    /// Until when it waits, s.
+    /// End of the wait, s.
     until: f64,
 }
 
@@ -41,7 +41,7 @@ impl Ending {
 }
 
 impl Engine {
-    /// Orders what was planned; where the joint's modes are known, once the train for it has been solved.
+    /// Orders a plan; if the joint's modes are known, after the train for it has been solved.
     pub(super) fn go(&mut self, index: usize, mut asked: Asked, planned: Planned) {
         let Some(wanted) = self.wanted_train(index, &asked, &planned) else {
             return self.order(index, asked, planned);
@@ -55,11 +55,11 @@ impl Engine {
         let joint = &mut self.joints[index];
         joint.learning.waits = Some((asked.ticket, self.clock.now() + PATIENCE));
         joint.asked = Some(asked);
-        // It lives as long as the engine.
+        // The learners live as long as the engine.
         let _ = self.lessons.jobs.send(Job::Prescribe(Box::new(wanted)));
     }
 
-    /// The plan as the learner wants it; none where its train is not to be solved.
+    /// The plan for the learner; `None` where its train is not to be solved.
     fn wanted_train(&self, index: usize, asked: &Asked, planned: &Planned) -> Option<Wanted> {
         let Start::Rest(in_force) = &planned.start else {
             return None;
@@ -71,7 +71,8 @@ impl Engine {
         })
     }
 
-    /// The plan of a joint by a rule as the learner wants it, in force the train of the belief; none where nothing is known of it.
+    /// The plan of a joint by a rule for the learner, with the train of the belief in force; `None` without
+    /// knowledge of the joint.
     pub(super) fn wanted(
         &self,
         index: usize,
@@ -96,12 +97,13 @@ impl Engine {
             in_force: base.clone(),
             base,
             plan: plan.clone(),
-            // Who jogs lets go anywhere.
+            // A jog may end anywhere.
             anywhere: speed.is_finite(),
         })
     }
 
-    /// What there is along the way of a joint: the other joints, from where they were (rad) to where they are, and the payload.
+    /// Conditions along the way of a joint: the other joints, from their earlier (rad) to their present
+    /// positions, and the payload.
     pub(super) fn surroundings(&self, index: usize, before: Option<&[f64]>) -> Surroundings {
         let others = (0..self.joints.len()).filter(|other| *other != index);
         let way = |other: usize| {
@@ -115,7 +117,7 @@ impl Engine {
         }
     }
 
-    /// Takes what the learners have said.
+    /// Handles messages of the learners.
     pub(super) fn hear_learners(&mut self) {
         while let Ok(said) = self.lessons.said.try_recv() {
             match said {
@@ -165,7 +167,7 @@ impl Engine {
         }
     }
 
-    /// The train for a plan is solved. What is not waited for any more would be the train of another way.
+    /// Handles a solved train. If nothing waits for it any more, it is of another way and is dropped.
     fn prescribed(&mut self, index: usize, ticket: u64, prescription: Prescription) {
         let joint = &mut self.joints[index];
         let turn = joint.learning.turn.take_if(|turn| turn.asked == ticket);
@@ -183,7 +185,7 @@ impl Engine {
         self.joints[index].learning.prescribed = asked.map(|asked| asked.ticket);
     }
 
-    /// From now on the train that was solved stands.
+    /// Makes the solved train the standing one.
     pub(super) fn take_prescription(&mut self, index: usize, prescription: Prescription) {
         let joint = &mut self.joints[index];
         joint.learning.view = view(&prescription);
@@ -202,7 +204,7 @@ impl Engine {
         }
     }
 
-    /// Orders what has waited for its train.
+    /// Orders a plan that has waited for its train.
     fn order_waiting(&mut self, index: usize, asked: Asked) {
         match self.planned(index, asked.what, asked.ahead, asked.effort) {
             Ok(planned) => self.order(index, asked, planned),
@@ -210,7 +212,7 @@ impl Engine {
         }
     }
 
-    /// Has what has waited for its train for too long go with the one that stands.
+    /// Orders plans that have waited too long, with the standing train.
     pub(super) fn wait_no_longer(&mut self, now: f64) {
         self.tell_endings(|ending| now > ending.until);
         self.begin_waiting(|waiting| now > waiting.until);
@@ -226,8 +228,8 @@ impl Engine {
         }
     }
 
-    /// Has a move that has ended judged, and learned from; its result is told then. What there is nothing to be heard of is told
-    /// at once.
+    /// Has a finished move judged and learned from before its result is published. A move without samples is
+    /// published at once.
     pub(super) fn have_judged(&mut self, index: usize, running: Running, result: MoveResult) {
         if running.interrupted || running.frozen || running.heard.is_empty() {
             return self.tell(result);
@@ -259,13 +261,13 @@ impl Engine {
         }
     }
 
-    /// Whether the result of a move was told, or will be.
+    /// Whether the result of a move was published, or will be.
     pub(super) fn is_judged(&self, id: u64) -> bool {
         let told = self.moves.iter().any(|result| result.id == id);
         told || self.endings.iter().any(|ending| ending.result.id == id)
     }
 
-    /// Tells results that cannot wait to be judged: of what they would have left unshaped nothing is known yet.
+    /// Publishes results that cannot wait to be judged; their unshaped vibration is then unknown.
     pub(super) fn tell_endings(&mut self, which: impl Fn(&Ending) -> bool) {
         while let Some(at) = self.endings.iter().position(&which) {
             let mut result = self.endings.remove(at).result;
@@ -274,7 +276,7 @@ impl Engine {
         }
     }
 
-    /// Whether every move that has ended was told.
+    /// Whether every finished move was published.
     pub(super) fn has_told_all(&self) -> bool {
         self.endings.is_empty()
     }
@@ -294,7 +296,7 @@ impl Engine {
             put(&mut result);
             return self.tell(result);
         }
-        // It was told without: nobody waits so long.
+        // It was already published without the judgement, after the longest wait.
         let mut told = self.moves.iter_mut();
         if let Some(result) = told.find(|result| result.id == judged.id) {
             put(result);
@@ -311,7 +313,7 @@ impl Engine {
         self.save();
     }
 
-    /// Forgets what was learned of a joint. The mode of the configuration is believed again.
+    /// Discards the knowledge of a joint. The mode of the configuration is used again.
     pub(super) fn forget(&mut self, name: &str) -> Result<Accepted, ServiceError> {
         let index = self.index_of(name)?;
         let joint = &mut self.joints[index];
@@ -340,7 +342,7 @@ fn view(prescription: &Prescription) -> LearningView {
     }
 }
 
-/// Puts an account into the result of a move; without one, nothing is known of what a shaped move would have left unshaped.
+/// Adds an account to the result of a move; without one, the unshaped vibration of a shaped move is unknown.
 fn put_account(result: &mut MoveResult, account: Option<Account>, radius: Option<f64>) {
     let along_arc = |angle: Option<f64>| Some(angle? * radius?);
     if let Some(Account {
@@ -351,7 +353,7 @@ fn put_account(result: &mut MoveResult, account: Option<Account>, radius: Option
         (result.residual_m, result.vibration_m) = (along_arc(left), along_arc(vibration));
     }
     let [unshaped, all] = match result.shaped {
-        // Of the move that would have been made unshaped nothing is known.
+        // The corresponding unshaped move is not known.
         _ if result.shaper == WITHIN => [None, None],
         true => [
             account.map(|a| a.unshaped),

@@ -1,7 +1,7 @@
-//! The engine: everything beside the tick that need not be punctual. One thread.
+//! The engine: all work beside the tick that has no hard deadline. One thread.
 //!
-//! It answers requests, plans, hands plans to the tick, hears what became of them, measures what each
-//! move left, publishes state and stream, and has the state kept on disk.
+//! It answers requests, plans, hands plans to the tick, handles the tick's answers, measures the residual of
+//! each move, publishes state and stream, and has the state saved.
 
 mod axis;
 mod commanding;
@@ -55,16 +55,16 @@ use super::state::State;
 use super::tick::{EngineRings, WholeReport};
 use crate::plant::ArmSimulation;
 
-/// How often the rings are emptied.
+/// Interval at which the rings are emptied.
 const PUMPED: Duration = Duration::from_millis(5);
 /// Length of a batch of the stream, s.
 const BATCH: f64 = 0.02;
-/// Moves that the state shows.
+/// Number of moves in the state.
 const MOVES: usize = 64;
-/// How long a service that ends waits for its joints to come to rest, s: the longest move that can be
-/// corrected, and its stop.
+/// Longest wait for the joints to come to rest at the end of the service, s: the longest move with a
+/// correction, and its stop.
 const ENDING: f64 = 30.0;
-/// How long setpoints are still sent after everything rests, s, so that a lost one is made up for.
+/// Time for which setpoints are still sent at rest, s, so that a lost one is replaced.
 const REST: f64 = 0.1;
 
 /// The engine.
@@ -75,7 +75,7 @@ pub struct Engine {
     rings: EngineRings,
     planner: Planner,
     joints: Vec<Joint>,
-    /// The embedded arm as it was at the start, to ask it what a payload does.
+    /// The embedded arm in its initial state, to compute the effect of a payload.
     arm: Option<ArmSimulation>,
     payload: Option<f64>,
     state: State,
@@ -109,21 +109,21 @@ pub struct EngineParts {
     pub clock: ServiceClock,
     /// Its end of the channels to the outside.
     pub ends: EngineEnds,
-    /// Its ends of the rings.
+    /// Its ends of the rings to the tick.
     pub rings: EngineRings,
     /// The joints.
     pub joints: Vec<Joint>,
-    /// The embedded arm, as it is at the start.
+    /// The embedded arm in its initial state.
     pub arm: Option<ArmSimulation>,
-    /// The memory of earlier lives.
+    /// The saved state.
     pub state: State,
-    /// Where states go to be kept.
+    /// Channel to the keeper of states.
     pub saver: Sender<State>,
-    /// The disk, whose state is told.
+    /// The disk, whose health is published.
     pub disk: Disk,
     /// The planner, of one axis.
     pub planner: Planner,
-    /// Its end of the learners.
+    /// Its end of the channels to the learners.
     pub lessons: Lessons,
 }
 
@@ -160,13 +160,13 @@ impl Engine {
         engine
     }
 
-    /// Does what is to be done now: what [`Engine::run`] does again and again.
+    /// Does all pending work: one round of [`Engine::run`].
     pub fn work(&mut self) {
         self.pump();
         self.answer_all();
     }
 
-    /// Answers what is asked now.
+    /// Answers pending requests.
     pub fn answer_all(&mut self) {
         while let Some(envelope) = self.ends.requests.try_recv() {
             self.answer(envelope);
@@ -188,7 +188,7 @@ impl Engine {
                 }
                 envelope = self.ends.requests.recv() => match envelope {
                     Some(envelope) => self.answer(envelope),
-                    // Nobody can ask any more; the joints are still commanded.
+                    // No client is left; the joints are still commanded.
                     None => tokio::time::sleep(PUMPED).await,
                 },
             }
@@ -197,7 +197,7 @@ impl Engine {
         self.save();
     }
 
-    /// Brings every joint to rest, and says whether they are.
+    /// Brings every joint to rest; returns whether all are.
     fn has_ended(&mut self) -> bool {
         let now = self.clock.now();
         let since = match self.stopping {
@@ -222,7 +222,7 @@ impl Engine {
         self.joints.iter().all(rests) && self.has_told_all()
     }
 
-    /// Stops every joint that moves, and names them. A move that waits hears `why`.
+    /// Stops every moving joint, and returns them. A waiting move is answered with `why`.
     fn stop_all(&mut self, why: &ServiceError) -> Vec<Stopping> {
         self.drop_waiting(why);
         let all = 0..self.joints.len();
@@ -230,7 +230,7 @@ impl Engine {
             .collect()
     }
 
-    /// The tick that comes next, as well as it is known.
+    /// Best guess of the next tick's number.
     fn next_tick(&self) -> u64 {
         let Some(whole) = &self.whole else { return 0 };
         let passed = (self.clock.now() - whole.time) / self.config.period;
@@ -239,7 +239,7 @@ impl Engine {
 
     fn save(&mut self) {
         self.state.moves = self.moves.iter().cloned().collect();
-        // The thread that keeps states lives as long as the engine.
+        // The keeper's thread lives as long as the engine.
         let _ = self.saver.send(self.state.clone());
     }
 }

@@ -1,8 +1,7 @@
-//! The orders to the tick, and the reactions to its answers.
+//! Orders to the tick, and the handling of its answers.
 //!
-//! Each plan that goes to the tick is answered once: taken, or not. Until then it stands among a joint's
-//! `ordered`, whatever has been asked for since: the tick may have begun it already, and what begins
-//! is what the joint does.
+//! The tick answers each plan once: taken, or not. Until then the plan stays in a joint's `ordered`, whatever
+//! was requested since: the tick may have begun it already, and then the joint follows it.
 
 use super::Engine;
 use super::cruise::Cruise;
@@ -14,19 +13,19 @@ use super::running::Running;
 use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError, Stopping};
 use crate::service::tick::{NotTaken, Plan, Start, Taken, ToTick};
 
-/// How far ahead a plan in motion begins, s: planning takes a few ms, and the tick takes orders at its
-/// next beginning.
+/// How far ahead a plan in motion begins, s: planning takes a few ms, and the tick takes orders at its next
+/// start.
 pub(super) const AHEAD: f64 = 0.02;
 /// The furthest ahead, s.
 const FURTHEST: f64 = 0.32;
-/// Least share of the limits of acceleration and jerk with which a plan in motion is tried: a stop then
-/// takes up to four times as long.
+/// Least share of the acceleration and jerk limits for a plan in motion: a stop then takes up to four times as
+/// long.
 const LEAST_EFFORT: f64 = 0.25;
-/// How long a plan is tried for, s: as long as a correction at 1 Hz lasts.
+/// How long a plan is tried, s: as long as a correction at 1 Hz lasts.
 pub(super) const TRIED: f64 = 3.0;
 
 impl Engine {
-    /// Plans and orders; whoever asked hears once the tick has taken it.
+    /// Plans and orders; the client gets the answer once the tick has taken the plan.
     pub(super) fn ask(&mut self, index: usize, what: What, reply: Option<Reply>) {
         let ahead = (AHEAD / self.config.period).ceil() as u64;
         let planned = match self.planned(index, what, ahead, 1.0) {
@@ -70,8 +69,8 @@ impl Engine {
         }
     }
 
-    /// Takes what is wanted of a joint back. Whoever asked for it hears `why` once the tick has said that
-    /// it has not begun.
+    /// Withdraws the order of a joint. Its client is answered with `why` once the tick has reported that it has
+    /// not begun.
     pub(super) fn withdraw(&mut self, index: usize, why: &str) {
         let joint = &mut self.joints[index];
         let why = ServiceError::NotTaken {
@@ -103,7 +102,7 @@ impl Engine {
         self.rings.orders.push(order);
     }
 
-    /// Brings a joint to rest, if it moves or is about to. A move that waits hears `why`.
+    /// Brings a joint to rest, if it moves or is about to. A waiting move is answered with `why`.
     pub(super) fn stop(&mut self, index: usize, why: ServiceError) -> Option<Stopping> {
         self.end_hold(index);
         let joint = &self.joints[index];
@@ -120,7 +119,7 @@ impl Engine {
         Some(self.stopping(index))
     }
 
-    /// A joint whose stop is asked for: it rests when the plan has ended and the train after it.
+    /// A joint whose stop was ordered: it rests after the plan and the train.
     fn stopping(&self, index: usize) -> Stopping {
         let joint = &self.joints[index];
         let train = joint.axis().map_or(0.0, |axis| axis.train.duration());
@@ -153,7 +152,7 @@ impl Engine {
                 return Err(ServiceError::NoFeed);
             }
             limits = self.fed(own, speed);
-            // Each time anew: it may be lost between two tries.
+            // Checked at each try: the permit may be lost between two tries.
             self.enabling.allows_moves()?;
             joint.takes_moves()?;
         }
@@ -195,8 +194,8 @@ impl Engine {
         joint.asked = Some(asked);
     }
 
-    /// Asks for a stop once more, as long as it is due: there is no reason to give it up. One that the tick has not
-    /// heard of yet is not asked for twice.
+    /// Orders a stop again as long as it is due: it is never given up. A stop that the tick has not answered
+    /// yet is not ordered twice.
     pub(super) fn insist_on_stop(&mut self, index: usize) {
         let joint = &mut self.joints[index];
         joint.stop_due &= !joint.is_at_rest() || joint.asked.is_some() || !joint.ordered.is_empty();
@@ -205,7 +204,7 @@ impl Engine {
         }
     }
 
-    /// Plans anew what the tick has not taken, as long as there is time.
+    /// Plans again what the tick has not taken, until the deadline.
     pub(super) fn retry(&mut self, now: f64) {
         self.end_overdue(now);
         for index in 0..self.joints.len() {
@@ -228,7 +227,7 @@ impl Engine {
         }
     }
 
-    /// Who waits for a tick that does not answer is not kept waiting for ever.
+    /// Answers clients of a tick that does not answer, after the longest wait.
     fn answer_overdue(&mut self, index: usize, now: f64) {
         for ordered in &mut self.joints[index].ordered {
             if let Some(withdrawn) = ordered.withdrawn.take_if(|w| now > w.until) {
@@ -237,14 +236,14 @@ impl Engine {
         }
     }
 
-    /// Takes the plan of this ticket out of those that wait for the tick's answer.
+    /// Removes the plan of this ticket from those that wait for the tick's answer.
     fn answered(&mut self, index: usize, ticket: u64) -> Option<Ordered> {
         let ordered = &mut self.joints[index].ordered;
         let at = ordered.iter().position(|one| one.ticket == ticket)?;
         Some(ordered.remove(at))
     }
 
-    /// A plan was not taken: it is made anew, or given up.
+    /// Handles a plan that was not taken: it is planned again, or given up.
     pub(super) fn not_taken(&mut self, plan: &Plan, why: NotTaken) {
         if self.change_not_taken(plan, &why) {
             return;
@@ -271,12 +270,12 @@ impl Engine {
         asked.again = true;
         match why {
             NotTaken::Late => asked.ahead = (2 * asked.ahead).min(furthest),
-            // What was believed of the plan's start is renewed with the next report.
+            // The next report gives the present state for the plan's start.
             NotTaken::Outdated => {}
-            // A correction under way leaves less of the limits to a new plan.
+            // A correction under way leaves a smaller share of the limits to a new plan.
             NotTaken::Refused(_) => asked.effort = (0.8 * asked.effort).max(LEAST_EFFORT),
             NotTaken::NotEnabled => {
-                // Where the gate has just been closed its event comes with this one.
+                // If the gate has just been closed, its event arrives together with this one.
                 let why = self.enabling.allows_moves().err();
                 self.withdraw_for(plan.joint, why.unwrap_or(ServiceError::Stopped));
             }
@@ -286,7 +285,7 @@ impl Engine {
         }
     }
 
-    /// A plan runs.
+    /// Handles a plan that runs.
     pub(super) fn taken(&mut self, taken: &Taken) {
         if self.change_taken(taken) {
             return;
@@ -331,8 +330,8 @@ impl Engine {
         answer(reply.or(withdrawn), Ok(accepted));
     }
 
-    /// Ends what was wanted by the plan of this ticket, which has begun. Something else that is wanted was
-    /// planned for a joint that did not do what it does now.
+    /// Ends the order whose plan with this ticket has begun. Another pending order was planned for a different
+    /// motion of the joint.
     fn begun(&mut self, index: usize, ticket: u64) -> Option<Reply> {
         let asked = &mut self.joints[index].asked;
         if let Some(asked) = asked.take_if(|asked| asked.ticket == ticket) {
@@ -367,7 +366,8 @@ impl Engine {
         self.batch.events.push(Told::MoveStarted(start.clone()));
         let (train, gain, longest) = match &taken.plan.start {
             Start::Rest(train) => (Some(train.train.clone()), 1.0, train.train.duration()),
-            // Of the train in force in motion it is only known that no shaper is longer than two periods. The plan was made for its gain.
+            // In motion the train in force is not known exactly, but no shaper is longer than two periods. The
+            // plan was made for its gain.
             Start::Tick(_) => (None, 1.0 / asked.speed, 2.0 * joint.mode.damped_period()),
         };
         joint.running = Some(Running {
@@ -395,12 +395,12 @@ impl Engine {
             frozen: false,
             prescribed: joint.learning.prescribed == Some(asked.ticket),
         });
-        // A number is not given twice, though the service be killed.
+        // Saved now, so that the number is not used again even if the service is killed.
         self.save();
     }
 }
 
-/// Answers, if anybody waits; whoever asked may have gone.
+/// Sends an answer, if a client waits; it may have disconnected.
 pub(super) fn answer(reply: Option<Reply>, answer: Result<Accepted, ServiceError>) {
     if let Some(reply) = reply {
         let _ = reply.send(answer);

@@ -1,23 +1,23 @@
-//! How a plan that runs is run through: its rate, and the feed that is the reason for it.
+//! The rate of a running plan, and the feed behind it.
 
 use quell_trajectories::{RateRamp, SampledTrajectory};
 
-/// How a plan is run through.
+/// The rate of a plan.
 pub struct Pacing {
-    /// The plan as it was made.
+    /// The plan as it was created.
     pub base: SampledTrajectory,
-    /// The feed at which it was made.
+    /// The feed at which it was created.
     pub made_at: f64,
-    /// The feed that it goes on with.
+    /// The feed with which it continues.
     pub feed: f64,
     /// The last change of its rate.
     pub ramp: RateRamp,
-    /// The sample of the running plan with which that began.
+    /// The sample of the running plan at which that began.
     pub since: usize,
 }
 
 impl Pacing {
-    /// A plan that was made at a feed.
+    /// The pacing of a plan that was created at a feed.
     pub fn new(base: SampledTrajectory, feed: f64) -> Self {
         Self {
             base,
@@ -42,11 +42,11 @@ impl Pacing {
 
 /// A change of the feed that the tick has not answered.
 pub struct Change {
-    /// Number of the plan that makes it.
+    /// Number of the plan that contains it.
     pub ticket: u64,
     /// The feed.
     pub feed: f64,
-    /// The way of the rate there.
+    /// The course of the rate.
     pub ramp: RateRamp,
     /// The rest of the plan.
     pub rest: SampledTrajectory,

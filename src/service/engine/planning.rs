@@ -1,4 +1,4 @@
-//! From what is asked for to a plan for the tick.
+//! From an order to a plan for the tick.
 
 use quell_shapers::{Shaper, UncertainMode};
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
@@ -10,11 +10,11 @@ use crate::controller::plan_shaped;
 use crate::service::contract::ServiceError;
 use crate::service::tick::{Start, Train};
 
-/// A plan, and how it begins.
+/// A plan with its start.
 pub struct Planned {
     /// The plan at the control period.
     pub samples: SampledTrajectory,
-    /// When it begins.
+    /// Time of its start.
     pub start: Start,
     /// Speed to which it was slowed, 1 for full speed.
     pub speed: f64,
@@ -22,18 +22,18 @@ pub struct Planned {
     pub shaper: Option<&'static dyn Shaper>,
 }
 
-/// When and how hard a plan in motion begins.
+/// Start and effort of a plan in motion.
 #[derive(Clone, Copy)]
 pub struct Moment {
-    /// The tick with which it begins.
+    /// The tick at which it begins.
     pub tick: u64,
-    /// Share of the limits of acceleration and jerk that it uses.
+    /// Share of the acceleration and jerk limits that it uses.
     pub effort: f64,
     /// The limits.
     pub limits: Limits,
 }
 
-/// Plans for a joint; in motion, the plan begins `at` a moment.
+/// Plans for a joint; in motion the plan begins at the moment `at`.
 pub fn plan(
     joint: &Joint,
     what: What,
@@ -118,8 +118,8 @@ fn in_motion(
     at: Moment,
 ) -> Result<Planned, ServiceError> {
     let shaper = joint_shaper(joint);
-    // A train of negative impulses may exceed the limits by its gain, the sum of the magnitudes: a
-    // plan below the limits by as much cannot.
+    // A train with negative impulses may exceed the limits by its gain, the sum of the magnitudes. A plan whose
+    // limits are reduced by that gain keeps them.
     let gain = match shaper {
         Some(shaper) if !shaper.is_convex() => {
             train(Some(shaper), &UncertainMode::believed(joint.mode), period)
@@ -150,7 +150,7 @@ fn in_motion(
     })
 }
 
-/// The rule that the running move is shaped by.
+/// The rule of the running move's shaper.
 fn joint_shaper(joint: &Joint) -> Option<&'static dyn Shaper> {
     let name = joint
         .running

@@ -1,4 +1,4 @@
-//! The state of everything, put together.
+//! Assembly of the state for clients.
 
 use std::sync::Arc;
 

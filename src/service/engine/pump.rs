@@ -1,4 +1,4 @@
-//! The intake from the rings: events, records, reports.
+//! Reads the rings: events, records, reports.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use crate::service::state::LearnedMode;
 use crate::service::tick::{Event, JointReport, Record};
 
 impl Engine {
-    /// Empties the rings and does what follows.
+    /// Empties the rings and acts on their content.
     pub(super) fn pump(&mut self) {
         let now = self.clock.now();
         self.hear_all();
@@ -41,7 +41,7 @@ impl Engine {
         }
     }
 
-    /// Takes what the tick has told.
+    /// Handles all messages of the tick.
     pub(super) fn hear_all(&mut self) {
         // Records first: those of a move belong to it before it ends.
         while let Ok(record) = self.rings.records.pop() {
@@ -154,7 +154,7 @@ impl Engine {
         joint.report = Some(report);
     }
 
-    /// Ends what has rung out, begins what stands still, stops what is not measured any more.
+    /// Ends moves that have rung out, begins joints that stand still, stops joints without measurements.
     fn look_after(&mut self, index: usize, now: f64) {
         self.end_registration(index);
         let joint = &self.joints[index];
@@ -177,7 +177,7 @@ impl Engine {
         self.look_again(index, now);
     }
 
-    /// A move has ended: what it left is told once.
+    /// Ends a move and publishes its result, once.
     pub(super) fn finish(&mut self, index: usize) {
         let joint = &mut self.joints[index];
         let estimate = joint.axis().and_then(|axis| axis.status.estimate);
@@ -187,8 +187,8 @@ impl Engine {
         };
         running.interrupted |= running.settled.is_none();
         let settled = running.settled.is_some();
-        // A shaper for one move alone ends with it, and not before it has rung out: what it has left
-        // would be cancelled.
+        // A shaper for one move ends with the move, but not before its vibration has decayed: a change would
+        // cancel what it has left.
         joint.train_due |= running.start.shaper != own;
         let (mode, sure) = match estimate.filter(|estimate| estimate.converged) {
             Some(estimate) => (estimate.mode, true),
@@ -196,7 +196,7 @@ impl Engine {
         };
         let radius = joint.sensor.arc().map(|arc| arc.radius());
         let result = running.result(mode, sure, self.config.period, radius);
-        // What runs on is a command at rest, not a move.
+        // Rows after that are a command at rest, not the move.
         let ended = joint.running.take_if(|_| settled);
         if !self.is_judged(result.id) {
             match ended {
@@ -207,7 +207,7 @@ impl Engine {
         self.begin_registration(index);
     }
 
-    /// Sends the batch off.
+    /// Sends the batch.
     pub(super) fn flush(&mut self, now: f64) {
         self.batch_since = now;
         let next = Batch {
@@ -217,7 +217,7 @@ impl Engine {
             events: Vec::new(),
         };
         let batch = std::mem::replace(&mut self.batch, next);
-        // Nobody need listen.
+        // There may be no reader.
         let _ = self.ends.stream.send(Arc::new(batch));
     }
 }

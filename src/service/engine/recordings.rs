@@ -1,16 +1,16 @@
-//! Which recordings there are: the state names no other.
+//! Existing recordings: the state names no other.
 
 use super::Engine;
 use crate::service::contract::{DiskPart, RecordingNews, ServiceError};
 
 impl Engine {
-    /// The name under which a move shall be recorded, if it shall.
+    /// The name of a move's recording, if it is to be recorded.
     pub(super) fn recording_name(&self, id: u64) -> Option<String> {
         let enabled = self.config.recording.enabled;
         enabled.then(|| crate::service::recorder::name_of_move(id))
     }
 
-    /// Whether a move may begin although nothing may be recorded of it.
+    /// Whether a move may begin although recording fails.
     pub(super) fn check_recording(&self) -> Result<(), ServiceError> {
         let fault = match self.config.recording.required {
             true => self.disk.fault(DiskPart::Recordings),
@@ -19,7 +19,7 @@ impl Engine {
         fault.map_or(Ok(()), |reason| Err(ServiceError::NotRecorded { reason }))
     }
 
-    /// Takes what the recorder has said.
+    /// Handles messages of the recorder.
     pub(super) fn hear_of_recordings(&mut self) {
         let mut changed = false;
         while let Ok(news) = self.ends.recordings.try_recv() {
@@ -33,7 +33,7 @@ impl Engine {
         }
     }
 
-    /// A move has a recording of that name.
+    /// Adds the name of its recording to a move.
     fn names(&mut self, id: u64, name: &str) -> bool {
         let moves = self
             .joints
@@ -50,7 +50,7 @@ impl Engine {
         true
     }
 
-    /// There is no recording of that name any more.
+    /// Removes the name of a recording that is gone.
     fn forgets(&mut self, name: &str) -> bool {
         let is_it = |recording: &mut String| recording == name;
         for running in self

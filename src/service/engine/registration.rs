@@ -1,5 +1,4 @@
-//! Where a sensor of the tip stands and how its clock reads: learned from the first moves that it
-//! sees, off the tick.
+//! Registration of a tip sensor's frame and clock from the first moves that it sees, off the tick.
 
 use std::sync::mpsc::{Receiver, channel};
 
@@ -13,17 +12,17 @@ use crate::signal::{
     ArcRegistration, CubicSpline, DeformationSensor, End, JointArc, SignalError, register_arc,
 };
 
-/// Seconds of samples that are learned from, at least, and at most twice that: a few moves, with the
-/// rest between them.
+/// Seconds of samples for the registration, at least, and at most twice that: a few moves, with the rest
+/// between them.
 const KEPT: f64 = 10.0;
-/// Difference of the radius that the points choose from the description's, as a share, from which on
-/// people are told: the deformation is wrong by the same share.
+/// Relative difference of the fitted radius from the description's above which a warning is given: the
+/// deformation is wrong by the same share.
 const WRONG_RADIUS: f64 = 0.05;
 
 /// The registration, or the reason why there is none.
 type Learned = Result<ArcRegistration, SignalError>;
 
-/// Collects what encoder and tip sensor say until the frame of the sensor is known.
+/// Collects samples of encoder and tip sensor until the frame of the sensor is known.
 #[derive(Debug, Default)]
 pub struct Registrar {
     motor: (Vec<f64>, Vec<f64>),
@@ -43,13 +42,13 @@ impl Registrar {
         }
     }
 
-    /// Whether a sensor of the tip has said anything.
+    /// Whether any sample of a tip sensor has arrived.
     pub fn sees_the_tip(&self) -> bool {
         !self.tip.0.is_empty()
     }
 
-    /// Begins to learn from what there is, on a thread of its own: it takes longer than the engine
-    /// may be away. Does nothing while it is at work, or where no tip was seen.
+    /// Starts the registration on a thread of its own, since it would block the engine for too long. Does
+    /// nothing while it is running, or without tip samples.
     fn begin(&mut self, arc: JointArc, belief: Mode) {
         if self.working.is_some() || !self.sees_the_tip() {
             return;
@@ -59,7 +58,7 @@ impl Registrar {
         let learn = move || {
             let learned = CubicSpline::new(&motor.0, &motor.1, End::NotAKnot)
                 .and_then(|motor| register_arc(&arc, &motor, &tip.0, &tip.1, Some(belief)));
-            // The engine may have ended meanwhile.
+            // The engine may have ended in the meantime.
             let _ = tell.send(learned);
         };
         let thread = std::thread::Builder::new().name("quell-register".into());
@@ -69,7 +68,7 @@ impl Registrar {
         }
     }
 
-    /// The registration, once it is learned.
+    /// The registration, once it is finished.
     fn finished(&mut self) -> Option<Learned> {
         let learned = self.working.as_ref()?.try_recv().ok()?;
         self.working = None;
@@ -77,7 +76,7 @@ impl Registrar {
     }
 }
 
-/// Keeps a sample; a stamp that is not younger than the last is of a clock that has started anew.
+/// Keeps a sample; a stamp that is not newer than the last means that the clock was restarted.
 fn keep<T>((stamps, values): &mut (Vec<f64>, Vec<T>), stamp: f64, value: T) {
     if stamps.last().is_some_and(|last| stamp <= *last) {
         stamps.clear();
@@ -96,7 +95,7 @@ fn keep<T>((stamps, values): &mut (Vec<f64>, Vec<T>), stamp: f64, value: T) {
 }
 
 impl Engine {
-    /// A move has rung out: learns from it where the tip's sensor stands, if that is not known.
+    /// Starts a registration after a move, if the frame of the tip's sensor is not known.
     pub(super) fn begin_registration(&mut self, index: usize) {
         let joint = &mut self.joints[index];
         let Some(registrar) = &mut joint.registrar else {
@@ -116,7 +115,7 @@ impl Engine {
         }
     }
 
-    /// Hands a sensor that has been registered to the tick.
+    /// Hands a registered sensor to the tick.
     pub(super) fn end_registration(&mut self, index: usize) {
         let joint = &mut self.joints[index];
         let learned = joint.registrar.as_mut().and_then(Registrar::finished);

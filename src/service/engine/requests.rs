@@ -1,4 +1,4 @@
-//! The requests from outside.
+//! The requests of clients.
 
 use quell_shapers::{Mode, SHAPERS, Shaper, UncertainMode, shaper_by_name};
 
@@ -10,7 +10,7 @@ use crate::service::contract::{Accepted, Envelope, Request, ServiceError, Shapin
 use crate::service::tick::ToTick;
 use crate::tolerance::Tolerance;
 
-/// Largest payload of the embedded arm, kg: its class carries 60, and twice that is still an arm.
+/// Largest payload of the embedded arm, kg: twice that of its class, 60 kg.
 const HEAVIEST: f64 = 120.0;
 
 /// Joints and targets in rad, and the rule for this move alone.
@@ -18,21 +18,21 @@ type CheckedTogether =
     Result<(Vec<(usize, f64)>, Option<Option<&'static dyn Shaper>>), ServiceError>;
 
 impl Engine {
-    /// Answers a request, at once or once the tick has said what became of it.
+    /// Answers a request, at once or after the tick's answer.
     pub(super) fn answer(&mut self, envelope: Envelope) {
         let Envelope {
             request,
             number,
             reply,
         } = envelope;
-        // What the tick has done by now is known before it is told something else.
+        // First the present reports of the tick are handled.
         self.hear_all();
         let answer = match request {
-            // A stuck tick is not given more to do.
+            // A stuck tick gets no further orders.
             request if self.rings.orders.is_behind() && !request.is_heard_always() => {
                 Err(ServiceError::Busy)
             }
-            // A stop goes before what waits, and holds for it.
+            // A stop has priority over waiting requests, and cancels earlier moves.
             Request::Move { .. } if self.last_stop.is_some_and(|stop| number < stop) => {
                 Err(ServiceError::Stopped)
             }
@@ -111,7 +111,7 @@ impl Engine {
             Request::Shaping(change) => self.change_shaping(&change),
             Request::Payload { mass } => self.change_payload(mass),
         };
-        // Whoever asked may have gone.
+        // The client may have disconnected.
         let _ = reply.send(answer);
     }
 
@@ -160,7 +160,8 @@ impl Engine {
         ))
     }
 
-    /// The joints of a move within a tolerance. Where millimetres are told each tip's distance from its axis is known.
+    /// The joints of a move within a tolerance. For millimetres each tip's distance from its axis must be
+    /// known.
     fn check_within(
         &self,
         targets: &[Target],
@@ -179,7 +180,7 @@ impl Engine {
         Ok(members)
     }
 
-    /// The joints of a move of several, and its rule, if it has one of its own.
+    /// The joints of a move of several, and its own rule, if it has one.
     fn check_together(&self, targets: &[Target], shaper: Option<&str>) -> CheckedTogether {
         let mut members = Vec::new();
         for Target { joint, target } in targets {
@@ -235,7 +236,7 @@ impl Engine {
         Ok(Accepted::Changed)
     }
 
-    /// Whether the train that a change leads to can be designed and run.
+    /// Checks that the train after a change can be designed and run.
     fn check_train(
         &self,
         index: usize,
@@ -308,7 +309,7 @@ impl Engine {
         Ok(Accepted::Changed)
     }
 
-    /// A mode that was learned with this payload before is better than that of another payload.
+    /// Uses a mode that was learned with this payload before, which is better than that of another payload.
     fn recall(&mut self, payload: f64) {
         for index in 0..self.joints.len() {
             let joint = &mut self.joints[index];

@@ -1,4 +1,4 @@
-//! A move from its first tick until it has rung out.
+//! A move from its first tick until its vibration has decayed.
 
 use quell_shapers::{GridTrain, Mode, Setpoint};
 use quell_trajectories::{AxisState, Limits, SampledTrajectory};
@@ -12,19 +12,19 @@ use crate::service::contract::{MoveResult, MoveStart, TickRow};
 use crate::service::following::FOLLOWED;
 use crate::service::ringing;
 
-/// Periods for which a joint is watched after its command has ended: the amplitude is taken over two,
-/// after the motor side has followed.
+/// Number of periods for which a joint is observed after its command has ended: the amplitude is taken over two
+/// of them, after the motor side has followed.
 const WATCHED: f64 = 3.0;
 /// Rounding of velocities and accelerations by the planner and of differences over one tick.
 pub const ROUNDING: f64 = 1e-9;
-/// Planned positions of a move that are kept for what it would have left unshaped; at 4 kHz a minute.
+/// Most planned positions that are kept for the unshaped vibration; a minute at 4 kHz.
 const LONGEST: usize = 240_000;
 
 /// A move.
 pub struct Running {
     /// The entry that was made when it began.
     pub start: MoveStart,
-    /// Name of its recording, once that is on the disk.
+    /// Name of its recording, once it is on the disk.
     pub recording: Option<String>,
     /// Its present plan: the move's own, or that of a stop.
     pub plan: SampledTrajectory,
@@ -32,15 +32,15 @@ pub struct Running {
     pub ticket: u64,
     /// Tick with which the present plan began.
     pub tick: u64,
-    /// The plan's sample that was sent then.
+    /// The sample of the plan that was sent then.
     pub first: usize,
-    /// How it is run through.
+    /// The rate of its plan.
     pub pacing: Pacing,
     /// Number of the move of several joints that it is part of.
     pub together: Option<u64>,
     /// The train with which it began from rest.
     pub train: Option<GridTrain>,
-    /// Most by which the command may exceed the limits of the plan.
+    /// Largest factor by which the command may exceed the limits of the plan.
     pub gain: f64,
     /// Whether a train other than the identity was in force.
     pub shaped: bool,
@@ -52,9 +52,9 @@ pub struct Running {
     pub stopping: bool,
     /// Whether it was stopped or given another target.
     pub interrupted: bool,
-    /// When its command came to stand still, s.
+    /// Time at which its command stopped, s.
     pub settled: Option<f64>,
-    /// Planned positions, a tick each.
+    /// Planned positions, one for each tick.
     pub planned: Vec<f64>,
     /// Deformation after its end: stamp, rad, m.
     pub after: Vec<(f64, f64, f64)>,
@@ -62,19 +62,19 @@ pub struct Running {
     pub cruise: Cruise,
     /// Samples since its start.
     pub heard: Vec<Sample>,
-    /// Where the joints were at its start, rad.
+    /// Positions of the joints at its start, rad.
     pub before: Vec<f64>,
-    /// Whether its sensors were at fault meanwhile.
+    /// Whether a sensor of it was at fault during the move.
     pub frozen: bool,
     /// Whether its train was solved for it.
     pub prescribed: bool,
 }
 
-/// Samples of a move that are kept: as many as the longest window of an estimator.
+/// Most samples of a move that are kept: the longest window of an estimator.
 const MOST_HEARD: usize = 65_536;
 
 impl Running {
-    /// Where the plan is at the tick before `tick`, at which another one begins.
+    /// State of the plan at the tick before `tick`, at which another plan begins.
     pub fn state_before(&self, tick: u64) -> AxisState {
         let end = AxisState::at_rest(self.target());
         self.plan.state(0, self.sample_before(tick)).unwrap_or(end)
@@ -92,19 +92,20 @@ impl Running {
         setpoint(self.plan.state(0, sample).unwrap_or(end))
     }
 
-    /// Whether the plan has not arrived by the tick before `tick`.
+    /// Whether the plan has not ended by the tick before `tick`.
     pub fn goes_on(&self, tick: u64) -> bool {
         self.settled.is_none() && self.sample_before(tick) + 1 < self.plan.samples()
     }
 
-    /// From a tick on, at which this sample of it is sent, the plan has another rest.
+    /// Replaces the rest of the plan from a tick on, at which this sample of it is sent.
     pub fn go_on(&mut self, rest: &SampledTrajectory, (tick, first): (u64, usize)) {
         let sample = self.sample_before(tick);
         self.plan = self.plan.then(sample, rest);
         (self.tick, self.first) = (tick, sample + first);
     }
 
-    /// Whether the command keeps limits, where the plan has another rest after a sample. Positive amplitudes keep what the plan keeps.
+    /// Whether the command keeps the limits with another rest of the plan after a sample. With positive
+    /// amplitudes it does if the plan does.
     pub fn keeps_shaped(&self, sample: usize, rest: &SampledTrajectory, limits: Limits) -> bool {
         let train = self
             .train
@@ -116,13 +117,13 @@ impl Running {
         })
     }
 
-    /// Where the present plan ends, rad.
+    /// End of the present plan, rad.
     pub fn target(&self) -> f64 {
         let last = self.plan.positions(0).last();
         last.copied().unwrap_or(self.start.target_rad)
     }
 
-    /// Takes what was commanded and measured at a tick.
+    /// Takes command and measurement of a tick.
     pub fn take(&mut self, row: &TickRow) {
         match self.settled {
             None if self.planned.len() < LONGEST => {
@@ -152,19 +153,19 @@ impl Running {
         }
     }
 
-    /// Whether it has been watched for long enough at `now` (s).
+    /// Whether it has been observed long enough at `now` (s).
     pub fn has_rung_out(&self, now: f64, mode: Mode) -> bool {
         let watch = FOLLOWED + WATCHED * mode.damped_period();
         self.settled.is_some_and(|settled| now - settled > watch)
     }
 
-    /// Planned positions up to the end of the plan: what comes after it is the train's.
+    /// Planned positions up to the end of the plan; later rows belong to the train.
     pub fn planned_motion(&self) -> &[f64] {
         let end = self.planned.windows(2).rposition(|pair| pair[0] != pair[1]);
         &self.planned[..end.map_or(0, |last| last + 2)]
     }
 
-    /// Its residual vibration. `mode` is the one that is known best, and `sure` says whether it was learned.
+    /// Its residual vibration. `mode` is the best known one; `sure` if it was learned.
     pub fn result(&self, mode: Mode, sure: bool, period: f64, radius: Option<f64>) -> MoveResult {
         let samples: Vec<_> = self
             .after
@@ -172,7 +173,7 @@ impl Running {
             .map(|&(time, value, _)| (time, value))
             .collect();
         let residual = ringing::amplitude(&samples, mode, sure);
-        // The plan of a move within a tolerance is not the one that would have been made unshaped.
+        // The plan of a move within a tolerance is not that of the unshaped move.
         let within = self.start.shaper == WITHIN;
         let unshaped = match self.shaped {
             _ if within => None,

@@ -1,10 +1,10 @@
-//! Whether a motor side that is not commanded stands still: only then may commanding begin.
+//! Whether a motor side that is not commanded stands still, as required before commanding begins.
 
-/// How long it must have stood still, s: longer than the time between two strokes of a joint that is
-/// moved by something else.
+/// Required duration of the standstill, s: longer than the time between two strokes of a joint that is moved by
+/// something else.
 const STILL: f64 = 0.25;
-/// How far it may seem to go meanwhile, rad: more than the noise of an encoder, and less than a joint
-/// that is moved goes in that time.
+/// Largest apparent motion during that time, rad: more than the noise of an encoder, and less than a joint
+/// moves in that time.
 const SPAN: f64 = 2e-4;
 
 /// Whether a motor side stands still.
@@ -15,7 +15,7 @@ pub struct Standstill {
 }
 
 impl Standstill {
-    /// Takes a motor position (rad) and when it was received (s).
+    /// Takes a motor position (rad) and its time of reception (s).
     pub fn take(&mut self, time: f64, position: f64) {
         match self.since {
             Some((since, at)) if (position - at).abs() <= SPAN => {
@@ -28,12 +28,12 @@ impl Standstill {
         }
     }
 
-    /// Where it stands, rad.
+    /// Its position at standstill, rad.
     pub fn position(&self) -> Option<f64> {
         self.still
     }
 
-    /// Forgets everything.
+    /// Restarts the observation.
     pub fn restart(&mut self) {
         *self = Self::default();
     }

@@ -1,10 +1,10 @@
-//! Moves of several joints that begin with one tick and end with one tick.
+//! Moves of several joints that begin with the same tick and end with the same tick.
 //!
-//! Each joint is shaped by its own train, and trains differ in their lengths `d_i`. A joint that alone takes `T_i`
-//! ends `T_i + d_i` after the start. With `T = max (T_i + d_i)` its plan is stretched to `T - d_i`: by limits
-//! times `s`, `s^2` and `s^3` a plan from rest to rest is the same one, `1 / s` as long.
+//! Each joint has its own train, and the trains have different lengths `d_i`. A joint that alone takes `T_i`
+//! ends `T_i + d_i` after the start. With `T = max (T_i + d_i)` its plan is stretched to `T - d_i`: with limits
+//! times `s`, `s^2` and `s^3` a plan from rest to rest is the same, `1 / s` as long.
 //!
-//! The plans are taken by the tick together or not at all; what ends one of them before that ends all.
+//! The tick takes the plans together or not at all; if one of them ends early, all end.
 
 use quell_shapers::Shaper;
 use quell_trajectories::{AxisState, Limits, SampledTrajectory, Trajectory};
@@ -20,29 +20,29 @@ use crate::tolerance::Tolerance;
 /// A move of several joints that the tick has not begun yet.
 pub struct Group {
     id: u64,
-    /// The joints and where they shall end, rad.
+    /// The joints and their targets, rad.
     pub members: Vec<(usize, f64)>,
     pub shaper: Option<Option<&'static dyn Shaper>>,
-    /// What it may leave, and the motion of each joint once it is solved.
+    /// The tolerance, and the motion of each joint once it is solved.
     pub within: Option<(Tolerance, Vec<SampledTrajectory>)>,
-    /// How it is answered.
+    /// The form of the answer.
     form: Form,
     /// Joints whose trains were solved for this move.
     pub prescribed: Vec<usize>,
     /// Plans that the tick has not answered.
     waiting: usize,
     begun: Vec<Begun>,
-    /// Until its commands rest, s.
+    /// Time until its commands rest, s.
     duration: f64,
-    /// Why it does not begin.
+    /// Why it cannot begin.
     why: Option<ServiceError>,
-    /// Whether a plan was only out of date: it is made anew then.
+    /// Whether a plan was only outdated, and is planned again.
     outdated: bool,
     deadline: f64,
     pub reply: Option<Reply>,
 }
 
-/// How the move of joints is told that asked for it.
+/// The form in which a move of joints was requested and is answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// As the move of one joint.
@@ -52,7 +52,7 @@ pub enum Form {
 }
 
 impl Group {
-    /// A move that begins as soon as it may.
+    /// A move that begins as soon as possible.
     pub fn new(id: u64, members: Vec<(usize, f64)>, now: f64, reply: Reply) -> Self {
         Self {
             id,
@@ -71,7 +71,7 @@ impl Group {
         }
     }
 
-    /// The same within a tolerance, whose motion is not solved yet.
+    /// The same within a tolerance, with a motion that is not solved yet.
     pub fn within(self, tolerance: Tolerance, form: Form) -> Self {
         Self {
             within: Some((tolerance, Vec::new())),
@@ -80,7 +80,7 @@ impl Group {
         }
     }
 
-    /// The answer, all of it having begun.
+    /// The answer once all joints have begun.
     fn accepted(&self) -> Accepted {
         match (self.form, self.begun.as_slice()) {
             (Form::Alone, [begun]) => Accepted::Move {
@@ -97,7 +97,8 @@ impl Group {
 }
 
 impl Engine {
-    /// Plans for joints at rest, once their trains are solved, and orders; whoever asked hears once the tick has begun all of it.
+    /// Plans for joints at rest, after their trains are solved, and orders; the client is answered once the
+    /// tick has begun all of it.
     pub(super) fn ask_together(
         &mut self,
         members: Vec<(usize, f64)>,
@@ -172,7 +173,7 @@ impl Engine {
         Ok((stretched.collect::<Result<_, _>>()?, whole))
     }
 
-    /// Whether a joint takes moves, rests, and nothing is asked of it.
+    /// Checks that a joint accepts moves, rests, and has no pending order.
     pub(super) fn check_free(&self, index: usize) -> Result<(), ServiceError> {
         let joint = &self.joints[index];
         joint.takes_moves()?;
@@ -184,7 +185,7 @@ impl Engine {
         }
     }
 
-    /// The quickest plan of one joint.
+    /// The fastest plan of one joint.
     pub(super) fn planned_alone(
         &self,
         index: usize,
@@ -195,7 +196,7 @@ impl Engine {
         let joint = &self.joints[index];
         let shaper = shaper.unwrap_or(joint.standing_shaper());
         let train = standing_train(joint, shaper, self.config.period)?;
-        // The gain of a train with negative impulses bounds what it makes of any plan.
+        // The gain of a train with negative impulses bounds the shaped command of any plan.
         let gain = train.train.gain().max(1.0);
         let Limits {
             velocity,
@@ -217,7 +218,7 @@ impl Engine {
         })
     }
 
-    /// The same plan, so long that it ends with all others, its train included.
+    /// The same plan, stretched so that it ends with all others, its train included.
     fn stretched(&self, alone: Alone, whole: f64) -> Result<Planned, ServiceError> {
         let Alone {
             plan,
@@ -246,7 +247,7 @@ impl Engine {
         })
     }
 
-    /// The tick has begun the plan of one joint.
+    /// Handles the plan of one joint that has begun.
     pub(super) fn member_taken(&mut self, id: u64, index: usize, move_id: u64) {
         let joint = self.joints[index].config.name.clone();
         if let Some(group) = self.groups.iter_mut().find(|group| group.id == id) {
@@ -256,7 +257,7 @@ impl Engine {
         self.end_group(id);
     }
 
-    /// The tick has not begun the plan of one joint.
+    /// Handles the plan of one joint that has not begun.
     pub(super) fn member_not_taken(&mut self, id: u64, plan: &Plan, why: NotTaken) {
         let asked = &mut self.joints[plan.joint].asked;
         asked.take_if(|asked| asked.ticket == plan.ticket);
@@ -277,7 +278,7 @@ impl Engine {
         self.end_group(id);
     }
 
-    /// Takes the plans of all joints back. Whoever asked hears why once the tick has answered them all.
+    /// Withdraws the plans of all joints. The client is answered once the tick has answered them all.
     pub(super) fn disband(&mut self, id: u64, why: &ServiceError) {
         if let Some(group) = self.groups.iter_mut().find(|group| group.id == id) {
             group.why.get_or_insert_with(|| why.clone());
@@ -305,7 +306,7 @@ impl Engine {
             }
             Some(_) if group.outdated && group.begun.is_empty() => self.begin_together(group),
             Some(why) => {
-                // A part of a move is none: what has begun is stopped.
+                // A part of a move is not useful: joints that have begun are stopped.
                 for (index, _) in &group.members {
                     self.stop(*index, why.clone());
                 }
@@ -314,7 +315,7 @@ impl Engine {
         }
     }
 
-    /// Who waits for a tick that does not answer is not kept waiting for ever.
+    /// Answers clients of a tick that does not answer, after the longest wait.
     pub(super) fn end_overdue(&mut self, now: f64) {
         for group in &mut self.groups {
             if now > group.deadline + TRIED
@@ -326,7 +327,7 @@ impl Engine {
     }
 }
 
-/// The quickest plan of one joint, and its train.
+/// The fastest plan of one joint, and its train.
 pub struct Alone {
     pub plan: Trajectory,
     ends: [AxisState; 2],
@@ -335,7 +336,7 @@ pub struct Alone {
 }
 
 impl Alone {
-    /// Until its command rests, s.
+    /// Time until its command rests, s.
     fn duration(&self) -> f64 {
         self.plan.duration() + self.train.train.duration()
     }

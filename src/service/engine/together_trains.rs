@@ -1,4 +1,5 @@
-//! Trains for the ways of a move of several joints: each learner solves that of its joint, and the move waits for all of them.
+//! Trains for the ways of a move of several joints: each joint's learner solves its train, and the move waits
+//! for all of them.
 
 use quell_shapers::UncertainMode;
 
@@ -17,12 +18,12 @@ pub struct Waiting {
     pub group: Group,
     /// Numbers of the plans whose trains are not solved yet.
     pub tickets: Vec<u64>,
-    /// Until when it waits, s.
+    /// End of the wait, s.
     pub until: f64,
 }
 
 impl Engine {
-    /// Begins a move, where its joints know modes once the trains for its ways are solved.
+    /// Begins a move; if modes of its joints are known, after the trains for its ways are solved.
     pub(super) fn have_trains(&mut self, group: Group) {
         let mut tickets = Vec::new();
         for &(index, target) in &group.members {
@@ -48,7 +49,7 @@ impl Engine {
         });
     }
 
-    /// The quickest plan of a joint as its learner wants it; none where its train is not to be solved.
+    /// The fastest plan of a joint for its learner; `None` where its train is not to be solved.
     fn wanted_together(&self, index: usize, target: f64, group: &Group) -> Option<Wanted> {
         let joint = &self.joints[index];
         let rule = group.shaper.unwrap_or(joint.standing_shaper());
@@ -69,7 +70,7 @@ impl Engine {
         })
     }
 
-    /// What there is along the way of a joint while others move, too, each to its target (rad).
+    /// Conditions along the way of a joint while others move, too, each to its target (rad).
     pub(super) fn surroundings_of(&self, index: usize, members: &[(usize, f64)]) -> Surroundings {
         let mut surroundings = self.surroundings(index, None);
         let others = (0..self.joints.len()).filter(|other| *other != index);
@@ -88,7 +89,7 @@ impl Engine {
         waiting.any(|waiting| waiting.tickets.contains(&ticket))
     }
 
-    /// The train of one joint is solved.
+    /// Handles the solved train of one joint.
     pub(super) fn prescribed_together(
         &mut self,
         index: usize,
@@ -105,7 +106,7 @@ impl Engine {
         self.begin_waiting(|waiting| waiting.tickets.is_empty());
     }
 
-    /// Begins the moves that wait no longer.
+    /// Begins moves that need not wait any longer.
     pub(super) fn begin_waiting(&mut self, which: impl Fn(&Waiting) -> bool) {
         while let Some(at) = self.waiting.iter().position(&which) {
             let waiting = self.waiting.remove(at);
@@ -113,7 +114,7 @@ impl Engine {
         }
     }
 
-    /// The moves that wait do not begin: all joints are being stopped.
+    /// Drops waiting moves, since all joints are being stopped.
     pub(super) fn drop_waiting(&mut self, why: &ServiceError) {
         for waiting in self.waiting.drain(..) {
             answer(waiting.group.reply, Err(why.clone()));

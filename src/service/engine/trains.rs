@@ -1,14 +1,14 @@
-//! Trains that the tick is told to take at rest.
+//! Trains that the tick is to install at rest.
 
 use super::Engine;
 use super::planning::standing_train;
 use crate::service::tick::{NotTaken, ToTick, TrainOrder};
 
 impl Engine {
-    /// Orders the train that should be in force, if another one is.
+    /// Orders the train that should be in force, if it is another one.
     pub(super) fn order_train(&mut self, index: usize) {
         let joint = &mut self.joints[index];
-        // The train of an order that waits is that of its way.
+        // A waiting order has a train for its own way.
         if !joint.train_due || !joint.began || joint.asked.is_some() {
             return;
         }
@@ -28,7 +28,7 @@ impl Engine {
         }
     }
 
-    /// The tick has taken a train, or not.
+    /// Handles the tick's answer on a train.
     pub(super) fn train_answered(&mut self, order: &TrainOrder, answer: &Result<(), NotTaken>) {
         let joint = &mut self.joints[order.joint];
         match answer {

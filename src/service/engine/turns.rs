@@ -1,13 +1,13 @@
-//! Plans in motion whose train was not solved for them: the move goes on with the train in force at once, and is retuned for its way
-//! once the train for that is solved. Of a new target the map says the modes; where nothing is known yet, as in a first move, its
-//! samples up to then do.
+//! Retuning of plans in motion whose train was not solved for them. The move begins at once with the train in
+//! force, and is retuned for its way once that train is solved. For a new target the modes come from the map;
+//! without one, as in a first move, from the samples so far.
 //!
-//! The correction is searched for here, in a copy of the tick's filter that runs ahead of it: that takes longer than a short control
-//! period. The tick goes on with the copy when it has come to where it was left.
+//! The correction is searched here, in a copy of the tick's filter that runs ahead of it, since that takes
+//! longer than a short control period. The tick continues with the copy when it reaches the same point.
 //!
-//! It is retuned as for an estimate: the vibration of everything sent is replayed, for up to three modes, the end is exact,
-//! the limits hold, and nothing changes where that leaves no less. A plan that has ended or has given way to another one, as to a
-//! stop, is not retuned.
+//! The retune is that of an estimate: the vibration of the whole command is replayed for up to three modes, the
+//! end is exact, the limits hold, and nothing changes if that leaves no less. A plan that has ended, or was
+//! replaced by another one such as a stop, is not retuned.
 
 use quell_shapers::{CORRECTED_MODES, RetuneOutcome};
 
@@ -22,7 +22,7 @@ use crate::service::learners::{Along, Job, Wanted};
 use crate::service::tick::{RetuneOrder, ToTick};
 
 impl Engine {
-    /// Has the train for a plan solved that has begun in motion.
+    /// Requests the train for a plan that has begun in motion.
     pub(super) fn have_turned(&mut self, index: usize, ordered: &Ordered) {
         let what = ordered.what;
         let Some(wanted) = self.wanted(index, what, &ordered.samples, ordered.shaper) else {
@@ -44,7 +44,7 @@ impl Engine {
         let _ = self.lessons.jobs.send(Job::Prescribe(Box::new(wanted)));
     }
 
-    /// Has a move looked at along its way, a period after the last time, where nothing is known of the joint's modes.
+    /// Has a move evaluated during its motion, at intervals of a period, if no modes of the joint are known.
     pub(super) fn look_along(&mut self, index: usize, now: f64) {
         let joint = &self.joints[index];
         let learning = &joint.learning;
@@ -84,7 +84,7 @@ impl Engine {
         let _ = self.lessons.jobs.send(Job::Along(Box::new(along)));
     }
 
-    /// A move was looked at along its way.
+    /// Handles the evaluation of a move during its motion.
     pub(super) fn looked_along(
         &mut self,
         index: usize,
@@ -99,7 +99,7 @@ impl Engine {
         }
     }
 
-    /// The train for a plan in motion is solved: the tick goes over to it, if that plan runs still.
+    /// Retunes to the solved train of a plan in motion, if that plan still runs.
     pub(super) fn retune(&mut self, index: usize, turn: Turn, prescription: Prescription) {
         let shaped = prescription.modes.iter().filter(|mode| mode.shaped);
         let modes = shaped.map(ModeOnWay::anywhere).take(CORRECTED_MODES);
@@ -122,8 +122,8 @@ impl Engine {
         }
     }
 
-    /// The tick has lent a copy of its filter, as it was before a tick. The correction is searched for in it, so far ahead of the tick
-    /// that it is there in time.
+    /// Takes the lent copy of the tick's filter, in its state before a tick. The correction is searched in it,
+    /// far enough ahead of the tick to be in time.
     pub(super) fn foresee(&mut self, mut order: Box<RetuneOrder>) {
         let joint = &self.joints[order.joint];
         let running = joint.running.as_ref();
@@ -134,7 +134,7 @@ impl Engine {
         if let Some(running) = running {
             let last = running.sample_before(order.tick);
             let planned = |tick: usize| running.planned_at(last + tick);
-            // Where it is not there another plan runs already: the tick refuses it.
+            // If it does not match, another plan runs already, and the tick refuses the copy.
             if (planned(0).position - lent.planned().position).abs() <= ROUNDING {
                 let late = self.next_tick().saturating_sub(order.tick) as usize;
                 let ahead = late + (AHEAD / self.config.period).ceil() as usize;
@@ -146,7 +146,7 @@ impl Engine {
         self.rings.orders.push(ToTick::Retune(order));
     }
 
-    /// The tick has retuned, or not.
+    /// Handles the tick's answer on a retune.
     pub(super) fn retuned(&mut self, order: &RetuneOrder, outcome: &RetuneOutcome) {
         let (joint, mode) = (&mut self.joints[order.joint], order.train.known.mode);
         tracing::debug!(joint = joint.config.name, ?outcome, "a new way in motion");

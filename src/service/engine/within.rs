@@ -1,7 +1,7 @@
-//! Moves within a tolerance: as fast as that allows, solved by the learners for the modes of their ways.
+//! Moves within a tolerance: the fastest ones, solved by the learners for the modes of their ways.
 //!
-//! What is found is sent as it is, without a train, and nothing is retuned. A tolerance is not dropped: where nothing is found in
-//! time, nothing moves.
+//! The solution is sent without a train, and is not retuned. A tolerance is never dropped: without a solution
+//! in time, nothing moves.
 
 use quell_trajectories::SampledTrajectory;
 
@@ -16,11 +16,12 @@ use crate::service::learners::{Job, Member, Within};
 use crate::service::tick::Start;
 use crate::tolerance::{Moving, Tolerance, ToleranceError};
 
-/// Time in which the motion has to be solved, s: five times what the longest of one joint takes, and less than a plan is tried for.
+/// Time for the solution of the motion, s: five times the longest for one joint, and less than a plan is tried
+/// for.
 const SOLVED: f64 = 2.0;
 
 impl Engine {
-    /// Has the motion of joints at rest solved; whoever asked hears once the tick has begun it.
+    /// Has the motion of joints at rest solved; the client is answered once the tick has begun it.
     pub(super) fn ask_within(
         &mut self,
         members: Vec<(usize, f64)>,
@@ -73,7 +74,7 @@ impl Engine {
         })
     }
 
-    /// A joint from where it rests, at the present feed.
+    /// A joint from its rest position, at the present feed.
     fn moving(&self, index: usize, target: f64) -> Moving {
         let joint = &self.joints[index];
         Moving {
@@ -84,7 +85,7 @@ impl Engine {
         }
     }
 
-    /// The motion is solved, or there is none. What was solved for another place or feed is solved anew.
+    /// Handles the solution. If it is for another start or feed, it is solved again.
     pub(super) fn solved_within(
         &mut self,
         ticket: u64,
@@ -119,14 +120,14 @@ impl Engine {
         }
     }
 
-    /// The motion of joints that rest still, and its duration, s.
+    /// The motion of joints that still rest, and its duration, s.
     pub(super) fn planned_within(
         &self,
         members: &[(usize, f64)],
         motion: &[SampledTrajectory],
     ) -> Result<(Vec<Planned>, f64), ServiceError> {
         if motion.len() != members.len() {
-            // It was not solved in time.
+            // The solution was not ready in time.
             return Err(ServiceError::Busy);
         }
         let planned = members.iter().zip(motion).map(|(&(index, _), samples)| {

@@ -30,7 +30,7 @@ pub struct Body<'a> {
 }
 
 impl Refused {
-    /// With this status and sentence.
+    /// A refusal with this status and sentence.
     pub fn new(status: StatusCode, sentence: impl Into<String>) -> Self {
         Self {
             status,
@@ -38,7 +38,7 @@ impl Refused {
         }
     }
 
-    /// A request that is understood, and wrong.
+    /// A request that is understood, but wrong.
     pub fn value(sentence: impl Into<String>) -> Self {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, sentence)
     }
@@ -100,20 +100,20 @@ impl From<CancelError> for Refused {
     }
 }
 
-/// For a connection beyond the places.
+/// For a connection beyond the limit.
 pub async fn too_many(State(app): State<Arc<App>>) -> Refused {
     add(&app.counters.connections_refused);
     let sentence = "too many connections are open: only POST /api/v1/stop is taken here; try again";
     Refused::new(StatusCode::SERVICE_UNAVAILABLE, sentence)
 }
 
-/// For a path that there is not.
+/// For an unknown path.
 pub async fn not_found(uri: Uri) -> Refused {
     let sentence = format!("there is nothing at {}", uri.path());
     Refused::new(StatusCode::NOT_FOUND, sentence)
 }
 
-/// For a method that the path does not take; the header `Allow` names those that it takes.
+/// For a method that the path does not have; the header `Allow` lists its methods.
 pub async fn not_allowed(uri: Uri) -> Refused {
     let sentence = format!("{} does not take this method", uri.path());
     Refused::new(StatusCode::METHOD_NOT_ALLOWED, sentence)

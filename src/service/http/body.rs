@@ -1,7 +1,7 @@
 //! The body of a request: JSON, of bounded length, in bounded time.
 //!
-//! Bounded here and not by tower-http 0.7, whose time begins anew with every piece, so that one byte now and then
-//! holds a place, and whose answers do not say what the limit is.
+//! The limits are here and not those of tower-http 0.7: its timeout restarts with every piece, so that a slow
+//! client can hold a connection, and its answers do not name the limit.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -15,8 +15,8 @@ use serde::de::DeserializeOwned;
 use super::App;
 use super::answer::Refused;
 
-/// Time in which a body must be here: 64 KiB take less on any line that can show the page, and a client that
-/// sends more slowly would hold a place from others.
+/// Time in which a body must arrive: 64 KiB take less on any connection that can show the page. A slower client
+/// would hold a connection that others need.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// A body that must be JSON of this form.
@@ -77,7 +77,7 @@ async fn bytes(request: Request, most: usize) -> Result<Bytes, Refused> {
     let body: Body = request.into_body();
     match tokio::time::timeout(PATIENCE, to_bytes(body, most)).await {
         Ok(Ok(bytes)) => Ok(bytes),
-        // Else the connection broke, and nobody reads the answer.
+        // Else the connection broke, and there is no reader for an answer.
         Ok(Err(_)) => Err(too_long()),
         Err(_) => {
             let sentence = format!("the body was not here within {} s", PATIENCE.as_secs());
@@ -91,7 +91,7 @@ fn parsed<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Refused> {
         let sentence = format!("the body is not what it should be: {reason}");
         Refused::new(StatusCode::BAD_REQUEST, sentence)
     };
-    // The library takes an array for the values of an object in their order: a robot is moved by name only.
+    // Serde accepts an array for an object's values in their order, but a robot is moved by names only.
     if bytes.trim_ascii_start().starts_with(b"[") {
         return Err(refused("an object is wanted, not an array".into()));
     }

@@ -142,7 +142,7 @@ pub async fn travel(State(app): State<Arc<App>>, Json(body): Json<Travel>) -> An
     ask(&app, request).await
 }
 
-/// What a move may leave; none where nothing is said.
+/// The tolerance of a move; `None` without one.
 fn tolerance(residual: Option<f64>, deviation: Option<f64>) -> Result<Option<Tolerance>, Refused> {
     for (name, value) in [("residual_percent", residual), ("deviation_mm", deviation)] {
         if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
@@ -184,7 +184,7 @@ pub async fn feed(State(app): State<Arc<App>>, Json(body): Json<Feed>) -> Answer
 /// `POST /api/v1/demo`.
 pub async fn demonstrate(State(app): State<Arc<App>>, _: Nothing) -> Answered {
     demo::check(&app.handle)?;
-    // One at a time, and it goes on without whoever asked.
+    // One at a time; it continues even if the client disconnects.
     let Ok(place) = Arc::clone(&app.demo).try_acquire_owned() else {
         let sentence = "the demonstration is running already";
         return Err(Refused::new(StatusCode::CONFLICT, sentence));
@@ -240,7 +240,7 @@ pub async fn payload(State(app): State<Arc<App>>, Json(body): Json<Payload>) -> 
 /// The joint of that name.
 ///
 /// # Errors
-/// A sentence that names those that there are.
+/// A sentence that names the known joints.
 pub fn joint<'a>(snapshot: &'a Snapshot, name: &str) -> Result<&'a JointSnapshot, Refused> {
     let found = snapshot.joints.iter().find(|joint| joint.name == name);
     found.ok_or_else(|| {
@@ -251,7 +251,7 @@ pub fn joint<'a>(snapshot: &'a Snapshot, name: &str) -> Result<&'a JointSnapshot
 }
 
 impl One {
-    /// The target within the range of the joint. What is refused is told in the unit that was given.
+    /// The target within the range of the joint. A refusal uses the unit that was given.
     fn target(self, snapshot: &Snapshot) -> Result<Target, Refused> {
         let joint = joint(snapshot, &self.joint)?;
         let (name, value, factor) = match (self.target_deg, self.target_rad) {
@@ -281,7 +281,7 @@ impl One {
     }
 }
 
-/// A limit without the digits that only rounding made.
+/// A limit without digits that are only rounding.
 fn shown(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }

@@ -1,4 +1,4 @@
-//! Connections: how many, how slow, how long; and a way in for a stop when all places are taken.
+//! Connections: their number, pace and lifetime; and extra connections for a stop when all others are in use.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
@@ -30,29 +30,29 @@ use super::wire::Wire;
 const LONGEST_HEAD: usize = 16 * 1024;
 /// Time for answers that have begun when the service ends.
 const FAREWELL: Duration = Duration::from_secs(2);
-/// Bytes that the system keeps for a connection, so that a reader who does not read costs no more.
+/// Bytes that the system buffers for a connection; a bound, since a client may not read.
 const SEND_BUFFER: usize = 128 * 1024;
-/// Pause where the system is out of connections.
+/// Pause if the system has no connections left.
 const PAUSE: Duration = Duration::from_millis(50);
-/// Connections beyond the places that are kept for a stop. Each carries one request, and the oldest gives way to
-/// a new one: whoever holds all of them keeps nobody out. A stop is obeyed in the moment in which it is read, so
-/// that it is lost only to as many newcomers between its connection and its first bytes.
+/// Connections beyond the limit that are kept for a stop. Each carries one request, and the oldest gives way to
+/// a new one, so that they cannot be blocked by holding all of them. A stop is executed at the moment at which
+/// it is read. It is lost only if as many newer connections arrive between its connection and its first bytes.
 const KEPT_FOR_STOP: usize = 16;
 
-/// The answer to one whose head is overdue. The length is that of the body.
+/// The answer to an overdue request head. The length is that of the body.
 const TOO_SLOW: &[u8] = b"HTTP/1.1 408 Request Timeout\r\nContent-Type: application/json\r\n\
     Content-Length: 65\r\nConnection: close\r\n\r\n{\"error\": \"the head of the request was not here within a second\"}";
 
-/// The handler: of all requests, or only of a stop.
+/// The handlers: for all requests, and for a stop only.
 #[derive(Clone)]
 pub struct Answers {
-    /// For a connection that has a place.
+    /// For a connection within the limit.
     pub all: Router,
-    /// For one that has none.
+    /// For a connection beyond it.
     pub stop_only: Router,
 }
 
-/// Accepts connections until `shutdown`, so many at once, and a few more for a stop.
+/// Accepts connections until `shutdown`, up to a limit, and a few more for a stop.
 pub async fn accept(
     listener: TcpListener,
     answers: Answers,
@@ -86,12 +86,12 @@ pub async fn accept(
         app.counters.connections.store(used as u64, Relaxed);
     }
     drop(listener);
-    // Nobody may listen.
+    // There may be no receiver.
     let _ = end.send(());
     farewell(door.open).await;
 }
 
-/// Where connections come in.
+/// The acceptor of connections.
 struct Door {
     places: Arc<Semaphore>,
     answers: Answers,
@@ -102,7 +102,7 @@ struct Door {
 }
 
 impl Door {
-    /// Serves a connection, or only a stop on it where all places are taken.
+    /// Serves a connection; only a stop if the limit is reached.
     async fn let_in(&mut self, stream: TcpStream) {
         let place = Arc::clone(&self.places).try_acquire_owned().ok();
         let beyond = place.is_none();
@@ -118,18 +118,18 @@ impl Door {
         let task = self.open.spawn(connection.serve(stream, router));
         if beyond {
             self.kept.admit(task);
-            // What was admitted is read before the next one comes.
+            // An admitted connection is read before the next one is accepted.
             tokio::task::yield_now().await;
         }
     }
 }
 
-/// The connections beyond the places, oldest first.
+/// The connections beyond the limit, oldest first.
 #[derive(Default)]
 struct Kept(VecDeque<AbortHandle>);
 
 impl Kept {
-    /// Lets one more in; where all are taken the oldest is cut.
+    /// Admits one more; if the limit is reached, the oldest is cut.
     fn admit(&mut self, connection: AbortHandle) {
         self.0.retain(|other| !other.is_finished());
         while self.0.len() >= KEPT_FOR_STOP {
@@ -141,7 +141,7 @@ impl Kept {
     }
 }
 
-/// Waits for answers that have begun, but not for ever.
+/// Waits for answers that have begun, for a limited time.
 async fn farewell(mut open: JoinSet<()>) {
     let all = async { while open.join_next().await.is_some() {} };
     if timeout(FAREWELL, all).await.is_err() {
@@ -151,7 +151,7 @@ async fn farewell(mut open: JoinSet<()>) {
 
 /// One connection.
 struct Connection {
-    /// None beyond the places.
+    /// `None` beyond the limit.
     place: Option<OwnedSemaphorePermit>,
     ending: watch::Receiver<()>,
     app: Arc<App>,
@@ -163,7 +163,7 @@ impl Connection {
         let pace = Arc::new(Pace::new(Instant::now()));
         let wire = Wire::new(stream, Arc::clone(&pace));
         let connection = http1::Builder::new()
-            // Its times are those of its pace.
+            // Its timeouts are those of its pace.
             .header_read_timeout(None)
             .keep_alive(self.place.is_some())
             .max_buf_size(LONGEST_HEAD)
@@ -201,7 +201,7 @@ fn tune(stream: &TcpStream) {
     }
 }
 
-/// The router, with the pace noted when a request is whole and when it is answered.
+/// The router, with the pace updated when a request is complete and when it is answered.
 fn paced(
     router: Router,
     pace: &Arc<Pace>,
@@ -231,7 +231,7 @@ async fn in_time<C: Future>(
 ) -> Result<C::Output, Overdue> {
     let mut sleep = pin!(sleep_until(pace.deadline().0));
     poll_fn(|context| {
-        // What the connection does sets the deadline anew, and nothing else does.
+        // Only progress of the connection moves the deadline.
         if let Poll::Ready(end) = connection.as_mut().poll(context) {
             return Poll::Ready(Ok(end));
         }

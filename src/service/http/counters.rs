@@ -1,10 +1,10 @@
-//! The counters of the outside.
+//! Counters of the HTTP interface.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use axum::http::StatusCode;
 
-/// Statuses that are counted apart; others are counted as their class.
+/// Statuses that are counted separately; others are counted by their class.
 const STATUSES: [u16; 14] = [
     400, 401, 403, 404, 405, 408, 409, 413, 415, 422, 426, 500, 503, 507,
 ];
@@ -17,17 +17,17 @@ pub struct Counters {
     refused: [AtomicU64; STATUSES.len()],
     /// Connections open now.
     pub connections: AtomicU64,
-    /// Connections refused since too many were open.
+    /// Connections refused because too many were open.
     pub connections_refused: AtomicU64,
     /// WebSockets open now.
     pub streams: AtomicU64,
-    /// WebSockets closed since nobody read.
+    /// WebSockets closed because the client did not read.
     pub streams_closed: AtomicU64,
     /// Batches that slow readers lost.
     pub batches_lost: AtomicU64,
 }
 
-/// One that is open as long as this lives.
+/// Counts one open item as long as this lives.
 pub struct Open<'a>(&'a AtomicU64);
 
 impl<'a> Open<'a> {

@@ -1,4 +1,4 @@
-//! Diagnoses of what was recorded: order one, ask how it stands, cancel it, read its report.
+//! Diagnoses of recordings: order one, read its status, cancel it, read its report.
 
 use std::sync::Arc;
 
@@ -20,8 +20,7 @@ use crate::service::contract::Snapshot;
 use crate::service::jobs::{Job, Order};
 use crate::service::recorder::{About, Shelf};
 
-/// The report brings its own script and style, and is in a box of its own: it can neither ask this
-/// service for anything nor send anything away.
+/// The report has its own script and style, in a sandbox: it can neither call this service nor send data away.
 const REPORT_POLICY: &str = "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; \
     style-src 'unsafe-inline'; img-src data:; frame-ancestors 'self'";
 
@@ -71,7 +70,7 @@ pub async fn job(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<
     Ok(fresh(&known(&app, &id)?))
 }
 
-/// `DELETE /api/v1/diagnose/{id}`: the job as it stands now; one that runs ends within moments.
+/// `DELETE /api/v1/diagnose/{id}`: the job in its present state; a running one ends within moments.
 pub async fn cancel(
     State(app): State<Arc<App>>,
     Path(id): Path<String>,

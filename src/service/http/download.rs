@@ -1,4 +1,4 @@
-//! One recording to take along, a few at once.
+//! Download of a recording; only a few run at once.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ pub async fn download(
     let wanted = name.clone();
     let archive = on_disk(recorder, move |shelf| shelf.archive(&wanted)).await?;
     let length = archive.length();
-    // A name that the shelf has is letters, digits, -, _ and dots.
+    // A name on the shelf consists of letters, digits, -, _ and dots.
     let disposition = format!("attachment; filename=\"{name}.tar\"");
     let headers = [
         (CONTENT_TYPE, "application/x-tar".to_string()),
@@ -34,7 +34,7 @@ pub async fn download(
         (CONTENT_LENGTH, length.to_string()),
     ];
     let body = in_pieces(length, move |out| {
-        // Held until the thread that reads is free again.
+        // Held until the reading thread is free again.
         let _place = place;
         archive.write(out)
     });

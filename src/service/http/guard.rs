@@ -1,4 +1,4 @@
-//! The checks that every request passes: where it comes from, and what it carries.
+//! The checks of every request: its origin, and its token.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use subtle::ConstantTimeEq;
 use super::App;
 use super::answer::Refused;
 
-/// Headers of every answer: nothing is guessed, embedded elsewhere, or told to others.
+/// Headers of every answer: no type guessing, no embedding, no referrer.
 const HEADERS: [(HeaderName, &str); 3] = [
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     (header::REFERRER_POLICY, "no-referrer"),
@@ -29,7 +29,7 @@ struct InQuery {
     token: Option<String>,
 }
 
-/// Lets a request through, or refuses it; counts it; and makes of any error a sentence in JSON.
+/// Passes a request on, or refuses it; counts it; and makes every error a sentence in JSON.
 pub async fn guard(State(app): State<Arc<App>>, request: Request, next: Next) -> Response {
     let mut response = match admitted(&app, &request) {
         Ok(()) => next.run(request).await,
@@ -51,7 +51,8 @@ pub async fn guard(State(app): State<Arc<App>>, request: Request, next: Next) ->
     response
 }
 
-/// A refusal of the library's own (of a WebSocket that is none) is in plain text.
+/// Whether it is an error of the library itself, for example of a failed WebSocket upgrade, which is plain
+/// text.
 fn is_error_without_sentence(response: &Response) -> bool {
     let status = response.status();
     let json = HeaderValue::from_static("application/json");
@@ -78,9 +79,9 @@ fn host(uri: &Uri, headers: &HeaderMap) -> Option<Authority> {
     uri.authority().cloned().or(named)
 }
 
-/// Without a token, only requests for this very machine by name. Else a page of another site could
-/// have its own name resolved to 127.0.0.1 after it was loaded (DNS rebinding), and so pass for a
-/// page of this service: its requests then carry that name as the host.
+/// Without a token, only requests to this machine by name are accepted. Otherwise a page of another site could
+/// have its own name resolved to 127.0.0.1 after it was loaded (DNS rebinding), and pass for a page of this
+/// service. Its requests carry that name as the host.
 fn local(host: Option<&Authority>) -> Result<(), Refused> {
     let name = host.map(Authority::host).unwrap_or_default();
     let bare = name.trim_start_matches('[').trim_end_matches(']');
@@ -94,8 +95,8 @@ fn local(host: Option<&Authority>) -> Result<(), Refused> {
     Err(Refused::new(StatusCode::FORBIDDEN, sentence))
 }
 
-/// A browser says from which site a request comes. Another site may not command the robot (a form or
-/// script can post without reading the answer), nor listen: WebSockets know no other barrier.
+/// A browser states the site of a request. Another site may neither command the robot (a form or script can
+/// post without reading the answer) nor listen: WebSockets have no other protection.
 fn origin(headers: &HeaderMap, host: Option<&Authority>) -> Result<(), Refused> {
     let Some(origin) = headers.get(header::ORIGIN) else {
         return Ok(());
@@ -114,8 +115,8 @@ fn origin(headers: &HeaderMap, host: Option<&Authority>) -> Result<(), Refused> 
     }
 }
 
-/// The page and what it is drawn with are no secret; all else needs the token. A browser can give no
-/// header to a WebSocket, a download or a frame: what only reads may carry it as `?token=`.
+/// The page's own files are public; everything else needs the token. A browser cannot add a header to a
+/// WebSocket, a download or a frame, so that read-only requests may carry it as `?token=`.
 fn bearer(token: &str, request: &Request) -> Result<(), Refused> {
     let path = request.uri().path();
     if !path.starts_with("/api/") && path != "/metrics" {
@@ -127,7 +128,7 @@ fn bearer(token: &str, request: &Request) -> Result<(), Refused> {
     let query = Query::<InQuery>::try_from_uri(request.uri()).ok();
     let query = query.and_then(|Query(query)| query.token);
     let given = header.or(query.as_deref().filter(|_| reads));
-    // In constant time: how long it takes must not say how many letters are right.
+    // In constant time: the duration must not show how many letters are right.
     if given.is_some_and(|given| given.as_bytes().ct_eq(token.as_bytes()).into()) {
         return Ok(());
     }

@@ -1,7 +1,8 @@
 //! `GET /metrics`: Prometheus text, format 0.0.4.
 //!
-//! Written here and not by prometheus-client 0.25, which writes OpenMetrics only: a counter's family loses its
-//! `_total` there, so that a reader of 0.0.4 takes it for untyped. Its collector of a snapshot took more lines.
+//! It is written here and not by prometheus-client 0.25, which writes OpenMetrics only. There the family of a
+//! counter has no `_total`, so that a reader of 0.0.4 takes it for untyped. Its collector of a snapshot also
+//! took more lines.
 
 mod joint;
 
@@ -40,12 +41,12 @@ pub async fn metrics(State(app): State<Arc<App>>) -> Response {
     ([kind, (CACHE_CONTROL, "no-store")], text.0).into_response()
 }
 
-/// A metric's samples stand together, below what it is.
+/// The text; a metric's samples follow its description.
 #[derive(Default)]
 struct Text(String);
 
 impl Text {
-    /// A metric with one sample for each list of labels; a value that is not known has none.
+    /// A metric with one sample for each list of labels; unknown values are left out.
     fn metric<'a, L>(
         &mut self,
         name: &str,
@@ -84,7 +85,7 @@ impl Text {
         self.one(name, help, value as f64);
     }
 
-    /// One sample a joint.
+    /// One sample for each joint.
     fn each(
         &mut self,
         joints: &[JointSnapshot],
@@ -228,10 +229,10 @@ fn sensors(text: &mut Text, joints: &[JointSnapshot]) {
     );
 }
 
-/// Name, what it is, and its value.
+/// Name, description, and value.
 type OfAMode = (&'static str, &'static str, fn(&KnownMode) -> f64);
 
-/// The modes that moves have taught, counted from 1.
+/// The learned modes, counted from 1.
 fn modes(text: &mut Text, snapshot: &Snapshot) {
     let each = |of: fn(&KnownMode) -> f64| {
         let joints = snapshot.joints.iter();

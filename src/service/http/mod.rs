@@ -1,11 +1,11 @@
 //! HTTP, WebSocket and the page.
 //!
-//! [`routes`] has every path, method and body; `GET /openapi.json` tells them. Paths are versioned: `/api/v1/...`. The
-//! old ones without a version are aliases, and their answers say that they are deprecated.
+//! [`routes`] has every path, method and body; `GET /openapi.json` describes them. Paths are versioned:
+//! `/api/v1/...`. The old paths without a version are aliases, and their answers are marked as deprecated.
 //!
-//! Any error is `{"error": "a sentence"}`. Everything that a stranger may make large is bounded:
-//! bodies, headers, connections, streams, downloads, waiting jobs, and the time each may take. A stop has
-//! connections of its own, and room among the requests that wait for the engine.
+//! Any error is `{"error": "a sentence"}`. Every resource that a client can consume is bounded: bodies,
+//! headers, connections, streams, downloads, waiting jobs, and their times. A stop has reserved connections,
+//! and reserved room in the engine's queue.
 
 mod answer;
 mod body;
@@ -51,12 +51,12 @@ use stream::Feed;
 
 /// The shortest token, bytes: 16 random ones are not guessed.
 const SHORTEST_TOKEN: usize = 16;
-/// WebSockets open at once; they take no place of a connection.
+/// WebSockets open at once; they do not count as connections.
 const STREAMS: usize = 64;
-/// Recordings sent at once: each takes a thread until it is taken.
+/// Downloads at once: each occupies a thread.
 const DOWNLOADS: usize = 4;
 
-/// The parts that the outside is given.
+/// Settings of the HTTP interface.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// The token that every request must carry; needed where the address is not loopback.
@@ -65,9 +65,9 @@ pub struct Settings {
     pub max_connections: usize,
     /// Longest body of a request, bytes.
     pub max_body_bytes: usize,
-    /// Where the tip turns about each joint, by name; what a measured tip is diagnosed with.
+    /// Geometry of the tip's circle about each joint, by name, for the diagnosis of a measured tip.
     pub arcs: BTreeMap<String, JointArc>,
-    /// The recorder; none where nothing is recorded.
+    /// The recorder; `None` if recording is off.
     pub recorder: Option<Recorder>,
     /// The function that makes the report of a diagnosis.
     pub report: Report,
@@ -78,7 +78,7 @@ pub struct Settings {
 /// Why the service does not listen.
 #[derive(Debug, Error)]
 pub enum HttpError {
-    /// An address that others reach, without a token.
+    /// An address that other machines reach, without a token.
     #[error(
         "{address} can be reached from other machines: give a token (http.token in the configuration), \
          or listen on 127.0.0.1"
@@ -90,12 +90,12 @@ pub enum HttpError {
     /// A token that can be guessed or cannot be sent.
     #[error("http.token must have {SHORTEST_TOKEN} or more characters, each of them visible ASCII")]
     Token,
-    /// The system refuses.
+    /// An error of the system.
     #[error("HTTP: {0}")]
     System(#[from] std::io::Error),
 }
 
-/// The state that every handler sees.
+/// The state of all handlers.
 struct App {
     handle: Handle,
     settings: Settings,
@@ -107,11 +107,11 @@ struct App {
     demo: Arc<Semaphore>,
 }
 
-/// Checks where to listen, and with which token.
+/// Checks the address and the token.
 ///
 /// # Errors
-/// [`HttpError::NeedsToken`] for an address that is not loopback without one, [`HttpError::Token`] for
-/// one that is too short.
+/// [`HttpError::NeedsToken`] for an address that is not loopback without a token, [`HttpError::Token`] for a
+/// token that is too short.
 pub fn check(address: SocketAddr, token: Option<&str>) -> Result<(), HttpError> {
     match token {
         None if !address.ip().to_canonical().is_loopback() => {
@@ -126,10 +126,10 @@ pub fn check(address: SocketAddr, token: Option<&str>) -> Result<(), HttpError> 
     }
 }
 
-/// Serves until `shutdown`, and some seconds longer what has begun.
+/// Serves until `shutdown`; requests that have begun get a few seconds more.
 ///
 /// # Errors
-/// [`HttpError`] where the address needs a token, or the system makes no thread.
+/// [`HttpError`] where the address needs a token, or the system cannot create a thread.
 pub async fn serve(
     listener: TcpListener,
     handle: Handle,
@@ -147,11 +147,11 @@ pub async fn serve(
     Ok(())
 }
 
-/// All that [`serve`] answers, without a socket: for a test, or behind a server of one's own that checks who
-/// may connect.
+/// The routes of [`serve`] without a socket: for a test, or behind a server of one's own that checks its
+/// clients.
 ///
 /// # Errors
-/// [`HttpError::System`] where the system makes no thread.
+/// [`HttpError::System`] where the system cannot create a thread.
 ///
 /// # Panics
 /// Outside a runtime of tokio.
@@ -181,7 +181,7 @@ fn router(app: Arc<App>) -> Router {
         .with_state(app)
 }
 
-/// The answers on a connection beyond the places: a stop is obeyed, all else is refused.
+/// The answers on a connection beyond the limit: a stop is executed, all else is refused.
 fn stop_only(app: Arc<App>) -> Router {
     Router::new()
         .route("/api/v1/stop", post(commands::stop))

@@ -1,4 +1,4 @@
-//! What moves have taught of the modes of a joint.
+//! The learned modes of a joint.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The interface as OpenAPI 3.1 has it, from the table of routes and the types of the bodies.
+//! The interface as an OpenAPI 3.1 document, from the table of routes and the types of the bodies.
 
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};
@@ -9,7 +9,7 @@ use super::route::{Answer, Route};
 
 /// The description of these routes.
 pub fn document(routes: &[Route]) -> Value {
-    // OpenAPI 3.1 takes JSON Schema 2020-12 as it is.
+    // OpenAPI 3.1 uses JSON Schema 2020-12 unchanged.
     let settings = SchemaSettings::draft2020_12();
     let mut generator = settings
         .with(|settings| settings.definitions_path = "/components/schemas".into())
@@ -79,7 +79,7 @@ fn operation(route: &Route, generator: &mut SchemaGenerator) -> Value {
     operation
 }
 
-/// A name that no other operation has.
+/// An unused operation id.
 fn id(route: &Route) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let path: String = route.path.chars().map(plain).collect();

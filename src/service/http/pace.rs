@@ -1,49 +1,50 @@
-//! How slow a client may be: what a connection waits for now, and until when.
+//! Timeouts of a connection: the event that it waits for, and the deadline.
 //!
-//! A client that holds a connection without using it takes a place from others. So each thing that is
-//! waited for has its own time, on every address, loopback included.
+//! A client that holds a connection without using it takes it from others. So every wait has its own timeout,
+//! on every address, loopback included.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use tokio::time::Instant;
 
-/// Time in which the head of a request must be here, from its first byte on, or from when the connection
-/// was made. 16 KiB take less on any line that can show the page.
+/// Time for the head of a request, from its first byte on, or from the start of the connection. 16 KiB take
+/// less on any connection that can show the page.
 const HEAD: Duration = Duration::from_secs(1);
-/// Time for which a connection without a request is kept after an answer: browsers and scripts that ask every
-/// few seconds need not connect anew.
+/// Time for which an idle connection is kept after an answer: browsers and scripts that ask every few seconds
+/// need not reconnect.
 const IDLE: Duration = Duration::from_secs(15);
-/// Time in which a client must take some of its answer: as long as a reader of the stream has.
+/// Time in which a client must read some of its answer: that of a reader of the stream.
 const STALL: Duration = Duration::from_secs(10);
-/// Time after which a connection ends with the answer that it is at.
+/// Age at which a connection ends after its present answer.
 const LIFE: Duration = Duration::from_secs(600);
 
 /// The event that a connection waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Waits {
-    /// For the first byte of all.
+    /// For the first byte of the connection.
     Byte,
     /// For the head of a request.
     Head,
     /// For the service: the handler bounds the time of the body and of its own work.
     Answer,
-    /// For the next request; parts of the last answer may still be on their way.
+    /// For the next request; parts of the last answer may still be in transit.
     Request,
 }
 
-/// Why a connection has to end.
+/// Why a connection must end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overdue {
-    /// Nothing came: browsers connect before they ask, and ask again elsewhere where they are not told anything.
+    /// No byte arrived: browsers connect before they ask, and use another connection if this one closes
+    /// silently.
     Silent,
-    /// The head of a request was not here in time: nothing of an answer has been sent.
+    /// The head of a request was incomplete: no answer has been sent.
     Head,
-    /// No request came.
+    /// No further request arrived.
     Idle,
-    /// The client does not take its answer.
+    /// The client does not read its answer.
     Stalled,
-    /// It has lived long enough.
+    /// It has reached its greatest age.
     Old,
 }
 
@@ -56,12 +57,12 @@ struct State {
     opened: Instant,
     waits: Waits,
     since: Instant,
-    /// Since when the client takes nothing, where something waits to be sent.
+    /// Time since which the client reads nothing, if something waits to be sent.
     blocked: Option<Instant>,
 }
 
 impl Pace {
-    /// Of a connection that is made now.
+    /// The pace of a new connection.
     pub fn new(now: Instant) -> Self {
         Self(Mutex::new(State {
             opened: now,
@@ -71,30 +72,30 @@ impl Pace {
         }))
     }
 
-    /// Bytes came.
+    /// Notes received bytes.
     pub fn heard(&self, now: Instant) {
         let mut state = self.state();
         match state.waits {
-            // Its second began with the connection.
+            // Its timeout began with the connection.
             Waits::Byte => state.waits = Waits::Head,
             Waits::Request => (state.waits, state.since) = (Waits::Head, now),
             Waits::Head | Waits::Answer => {}
         }
     }
 
-    /// The head of a request is whole.
+    /// Notes a complete head of a request.
     pub fn asked(&self, now: Instant) {
         let mut state = self.state();
         (state.waits, state.since) = (Waits::Answer, now);
     }
 
-    /// The service has answered.
+    /// Notes the answer of the service.
     pub fn answered(&self, now: Instant) {
         let mut state = self.state();
         (state.waits, state.since) = (Waits::Request, now);
     }
 
-    /// The client took some bytes.
+    /// Notes bytes that the client has read.
     pub fn took(&self, now: Instant) {
         let mut state = self.state();
         state.blocked = None;
@@ -103,12 +104,12 @@ impl Pace {
         }
     }
 
-    /// The client takes no bytes now.
+    /// Notes that the client reads no bytes now.
     pub fn blocked(&self, now: Instant) {
         self.state().blocked.get_or_insert(now);
     }
 
-    /// When the connection has to end if nothing happens, and why.
+    /// The deadline of the connection if nothing happens, and the reason.
     pub fn deadline(&self) -> (Instant, Overdue) {
         let state = *self.state();
         let own = match (state.blocked, state.waits) {
@@ -122,7 +123,7 @@ impl Pace {
         own.map_or(last, |own| if own.0 <= last.0 { own } else { last })
     }
 
-    /// No holder can leave the state half changed: each change is an assignment of plain data.
+    /// A panic cannot leave the state inconsistent: each change is an assignment of plain data.
     fn state(&self) -> MutexGuard<'_, State> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }

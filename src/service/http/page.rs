@@ -1,4 +1,4 @@
-//! The page and what it is drawn with, all of it inside the program.
+//! The page and its files, compiled into the program.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use axum::routing::get;
 
 use super::App;
 
-/// Nothing from elsewhere, and nobody else's frame: a button under another page's picture would move
+/// No content from elsewhere, and no embedding: under a picture of another page a click on a button would move
 /// the robot.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; \
     connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -64,7 +64,7 @@ fn file(kind: &'static str, text: &'static str) -> Response {
     let headers = [
         (CONTENT_TYPE, kind),
         (CONTENT_SECURITY_POLICY, POLICY),
-        // The program may be another one tomorrow, at the same address.
+        // A later version of the program may use the same address.
         (CACHE_CONTROL, "no-cache"),
     ];
     (headers, text).into_response()

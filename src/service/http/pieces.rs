@@ -1,4 +1,4 @@
-//! An answer that is written while it is sent, so that a long one takes no memory.
+//! An answer that is written while it is sent, so that a long one needs little memory.
 
 use std::convert::Infallible;
 use std::io::{self, Write};
@@ -9,13 +9,13 @@ use axum::body::{Body, Bytes, HttpBody};
 use hyper::body::{Frame, SizeHint};
 use tokio::sync::mpsc;
 
-/// Bytes that are handed over at once.
+/// Bytes of a piece.
 const PIECE: usize = 64 * 1024;
-/// Pieces that wait for a slow reader.
+/// Most pieces that wait for a slow reader.
 const WAITING: usize = 4;
 
-/// An answer of so many bytes, which `write` writes on a thread that may wait. Where it writes fewer, the
-/// connection breaks, so that nobody takes it for whole.
+/// An answer of known length, which `write` writes on a thread that may block. If it writes less, the
+/// connection is closed, so that the answer is not taken for complete.
 pub fn in_pieces(
     length: u64,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()> + Send + 'static,
@@ -33,7 +33,7 @@ pub fn in_pieces(
     })
 }
 
-/// Hands over what is written; fails where nobody reads any more.
+/// Passes on what is written; fails once the reader is gone.
 struct Pieces(mpsc::Sender<Bytes>);
 
 impl Write for Pieces {

@@ -72,14 +72,14 @@ pub async fn record(
 /// The recorder.
 ///
 /// # Errors
-/// A sentence where nothing is recorded.
+/// A sentence if recording is off.
 pub fn recorder(app: &App) -> Result<&Recorder, Refused> {
     let sentence = "nothing is recorded: recording.enabled is false in the configuration";
     let refused = || Refused::new(StatusCode::NOT_FOUND, sentence);
     app.settings.recorder.as_ref().ok_or_else(refused)
 }
 
-/// Does what waits for the disk on a thread that may wait.
+/// Runs disk work on a thread that may block.
 ///
 /// # Errors
 /// The shelf's error as an answer.

@@ -1,4 +1,4 @@
-//! What is known of a path and a method of the interface.
+//! The description of a path and method of the interface.
 
 use std::sync::Arc;
 
@@ -7,37 +7,37 @@ use schemars::{Schema, SchemaGenerator};
 
 use super::App;
 
-/// Where the paths of this version begin.
+/// Prefix of the paths of this version.
 pub const VERSION: &str = "/api/v1";
 /// The schema of a body.
 pub type Shape = fn(&mut SchemaGenerator) -> Schema;
 
-/// What is answered where a request is taken.
+/// The answer to an accepted request.
 #[derive(Clone, Copy)]
 pub enum Answer {
     /// JSON of this form.
     Json(Shape),
-    /// Something else: its type, and what it is.
+    /// Another type: its media type, and its description.
     Other(&'static str, &'static str),
 }
 
 /// A path and a method.
 pub struct Route {
-    /// The method, in small letters.
+    /// The method, in lower case.
     pub method: &'static str,
-    /// The path after [`VERSION`]; or the whole path, where it has no version.
+    /// The path after [`VERSION`]; the whole path if it has no version.
     pub path: &'static str,
     /// Whether the path is below [`VERSION`].
     pub versioned: bool,
-    /// One sentence of it.
+    /// A description in one sentence.
     pub summary: &'static str,
     /// The body, if it takes one.
     pub body: Option<Shape>,
-    /// The status of an answer that is no error.
+    /// The status of a successful answer.
     pub status: &'static str,
     /// The answer.
     pub answer: Answer,
-    /// What answers it.
+    /// Its handler.
     pub handler: fn() -> MethodRouter<Arc<App>>,
 }
 

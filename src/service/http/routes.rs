@@ -1,4 +1,4 @@
-//! All that the interface answers: one line for each path and method. Router and `/openapi.json` loop over it.
+//! The routes of the interface: one line for each path and method. Router and `/openapi.json` loop over it.
 
 use std::sync::{Arc, LazyLock};
 
@@ -22,9 +22,9 @@ use crate::service::contract::{Accepted, JointMap, ShapingChange, Snapshot};
 use crate::service::jobs::Job;
 use crate::service::recorder::Entry;
 
-/// Where they began before there were versions. Deprecated; an alias of [`VERSION`](super::route::VERSION).
+/// Prefix before there were versions. Deprecated; an alias of [`VERSION`](super::route::VERSION).
 const UNVERSIONED: &str = "/api";
-/// Since when, as RFC 9745 has it: 2026-11-23.
+/// Date of the deprecation in the form of RFC 9745: 2026-11-23.
 const DEPRECATED: &str = "@1795392000";
 
 fn shape<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
@@ -65,7 +65,7 @@ const fn command(
 
 const ACCEPTED: Answer = Answer::Json(shape::<Accepted>);
 
-/// All of them.
+/// All routes.
 pub const ROUTES: &[Route] = &[
     read(
         "/state",
@@ -259,7 +259,7 @@ async fn describe() -> Json<&'static Value> {
     Json(&DOCUMENT)
 }
 
-/// Adds all routes, and the old names of those that have one.
+/// Adds all routes, with the old paths of those that have one.
 pub fn add_all(router: Router<Arc<App>>) -> Router<Arc<App>> {
     ROUTES.iter().fold(router, |router, route| {
         let router = router.route(&route.whole(), (route.handler)());
@@ -270,7 +270,7 @@ pub fn add_all(router: Router<Arc<App>>) -> Router<Arc<App>> {
     })
 }
 
-/// The handler under its old name; its answers say that this is deprecated (RFC 9745).
+/// The handler under its old path; its answers are marked as deprecated (RFC 9745).
 fn alias(route: &Route) -> MethodRouter<Arc<App>> {
     (route.handler)().layer(map_response(async |mut response: Response| {
         let headers = response.headers_mut();

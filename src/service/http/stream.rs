@@ -1,12 +1,12 @@
-//! `GET /api/v1/stream`: what happens, as it happens, to as many as listen.
+//! `GET /api/v1/stream`: live events for any number of readers.
 //!
 //! Every message is JSON with a `type`:
 //! - `state`, four times a second: `state` is the [`Snapshot`](crate::service::contract::Snapshot);
 //! - `batch`: `number`, counted up by 1; `frames`, of each joint one every 10 ms; `events`;
-//! - `lost`: so many `batches` were not sent since this reader was too slow.
+//! - `lost`: number of `batches` that were not sent because this reader was too slow.
 //!
-//! A message is made once for all readers. A reader that is too slow loses what is oldest, and waits
-//! for nobody but itself.
+//! A message is created once for all readers. A reader that is too slow loses the oldest messages and does not
+//! delay others.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
@@ -24,15 +24,15 @@ use super::answer::Refused;
 use super::counters::{Open, add};
 use crate::service::contract::{Batch, Event, Frame, Handle, Snapshot};
 
-/// Time between frames of a joint, s: more than ten in a period of the modes that robots have.
+/// Time between frames of a joint, s: more than ten in a period of a robot's modes.
 const INTERVAL: f64 = 0.01;
 /// Time between states.
 const STATE: Duration = Duration::from_millis(250);
-/// Messages that a reader may be behind: some two seconds.
+/// Messages that a reader may lag behind: some two seconds.
 const BEHIND: usize = 128;
-/// Time in which a message must be taken, or the reader is one no longer.
+/// Time in which a message must be read; otherwise the connection is closed.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Longest message of a reader, bytes; it has nothing to say.
+/// Longest message of a reader, bytes; its content is ignored.
 const LONGEST: usize = 1024;
 
 /// A message for all readers.
@@ -43,7 +43,7 @@ struct News {
     text: Utf8Bytes,
 }
 
-/// Where readers get their messages; cheap to clone.
+/// The source of messages for readers; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Feed(broadcast::Sender<News>);
 
@@ -64,7 +64,7 @@ enum Told<'a> {
 }
 
 impl Feed {
-    /// Starts to make messages of the stream, while somebody listens.
+    /// Starts to create messages of the stream; none while there is no reader.
     pub fn start(handle: &Handle) -> Self {
         let (sender, _) = broadcast::channel(BEHIND);
         tokio::spawn(make(handle.clone(), handle.stream(), sender.clone()));
@@ -83,7 +83,7 @@ async fn make(
             batch = stream.recv() => match batch {
                 Ok(batch) if sender.receiver_count() > 0 => news_of(&batch),
                 Err(RecvError::Closed) => break,
-                // A gap in the numbers tells the readers.
+                // The gap in the numbers shows the loss to the readers.
                 _ => continue,
             },
             _ = state.tick() => {
@@ -94,7 +94,7 @@ async fn make(
                 text(&state).map(|text| News { number: None, text })
             }
         };
-        // Nobody may listen any more.
+        // There may be no reader any more.
         let _ = news.map(|news| sender.send(news));
     }
 }
@@ -130,7 +130,7 @@ pub async fn stream(State(app): State<Arc<App>>, upgrade: WebSocketUpgrade) -> R
     })
 }
 
-/// Sends what there is until the reader goes or reads no more.
+/// Sends messages until the reader disconnects or stops reading.
 async fn follow(app: &App, mut socket: WebSocket) {
     let mut news = app.feed.0.subscribe();
     let first = text(&Told::State {
@@ -159,7 +159,7 @@ async fn follow(app: &App, mut socket: WebSocket) {
                     }
                 }
             }
-            // Pings are answered by the library, all else is not listened to.
+            // The library answers pings; all else is ignored.
             heard = socket.recv() => match heard {
                 Some(Ok(Message::Close(_)) | Err(_)) | None => return,
                 Some(Ok(_)) => {}
@@ -168,7 +168,7 @@ async fn follow(app: &App, mut socket: WebSocket) {
     }
 }
 
-/// Batches between the last one and this one.
+/// Number of batches between the last one and this one.
 fn lost(last: &mut Option<u64>, number: Option<u64>) -> u64 {
     let Some(number) = number else { return 0 };
     let expected = last.replace(number).map_or(number, |last| last + 1);

@@ -63,7 +63,7 @@ pub async fn estimates(State(app): State<Arc<App>>) -> Response {
     fresh(&all)
 }
 
-/// An answer that is another one the next time.
+/// An answer that must not be cached.
 pub fn fresh(value: &impl Serialize) -> Response {
     ([(CACHE_CONTROL, "no-store")], Json(value)).into_response()
 }

@@ -1,4 +1,4 @@
-//! The bytes of a connection, with its pace noted as they pass.
+//! The byte stream of a connection, which updates its pace.
 
 use std::io;
 use std::pin::Pin;
@@ -19,15 +19,15 @@ pub struct Wire {
 }
 
 impl Wire {
-    /// Of a stream.
+    /// The wire of a stream.
     pub fn new(stream: TcpStream, pace: Arc<Pace>) -> Self {
         let stream = Arc::new(stream);
         Self { stream, pace }
     }
 
-    /// Says a last word, where there is room for it at once.
+    /// Sends a last message, if it can be written at once.
     pub fn farewell(&self, words: &[u8]) {
-        // The connection ends either way.
+        // The connection ends in either case.
         let _ = self.stream.try_write(words);
     }
 }

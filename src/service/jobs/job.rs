@@ -71,7 +71,7 @@ pub struct Job {
 }
 
 impl Job {
-    /// One that waits.
+    /// A waiting job.
     pub(super) fn new(id: u64, recording: String) -> Self {
         Self {
             id,
@@ -88,7 +88,7 @@ impl Job {
         }
     }
 
-    /// As it stands now.
+    /// Its present state.
     pub(super) fn now(&self) -> Self {
         let since = self.since.map(|since| since.elapsed().as_secs_f64());
         Self {
@@ -97,7 +97,7 @@ impl Job {
         }
     }
 
-    /// The same without what it says.
+    /// The same without the diagnosis.
     pub(super) fn short(&self) -> Self {
         Self {
             diagnosis: None,
@@ -110,13 +110,13 @@ impl Job {
         self.report.clone()
     }
 
-    /// It is at work now, for at most `limit` (s).
+    /// Marks it as running, for at most `limit` (s).
     pub(super) fn begin(&mut self, limit: f64) {
         (self.status, self.since) = (Status::Running, Some(Instant::now()));
         self.limit_s = Some(limit);
     }
 
-    /// Nobody wants it any more.
+    /// Marks it as cancelled.
     pub(super) fn cancel(&mut self) {
         self.close(Status::Cancelled);
     }

@@ -1,4 +1,4 @@
-//! The jobs that are remembered, and the orders that wait.
+//! The remembered jobs, and the waiting orders.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -7,10 +7,10 @@ use super::job::{Job, Status};
 use super::work::{Diagnosed, Failure, Stopper};
 use super::{CancelError, Full, Order, WAITING};
 
-/// Jobs that are remembered with their reports, of some hundred kilobytes each.
+/// Jobs that are remembered with their reports of some hundred kilobytes each.
 const REMEMBERED: usize = 32;
 
-/// All jobs. An order is here as long as its job waits, and a stopper as long as it runs.
+/// All jobs. An order is kept as long as its job waits, a stopper as long as it runs.
 #[derive(Default)]
 pub struct List {
     last: u64,
@@ -25,7 +25,7 @@ pub struct Begun {
     pub id: u64,
     /// The order.
     pub order: Order,
-    /// Ends it before its time.
+    /// Ends it early.
     pub stop: Stopper,
 }
 
@@ -39,7 +39,7 @@ impl List {
     /// Adds a job that waits.
     ///
     /// # Errors
-    /// [`Full`] where too many do.
+    /// [`Full`] where too many wait.
     pub fn add(&mut self, order: Order) -> Result<Job, Full> {
         if self.orders.len() >= WAITING {
             return Err(Full);
@@ -55,7 +55,7 @@ impl List {
         Ok(job)
     }
 
-    /// The next job, which begins now and works for at most `limit`.
+    /// Begins the next job, for at most `limit`.
     pub fn begin(&mut self, limit: Duration) -> Option<Begun> {
         let (id, order) = self.orders.pop_front()?;
         let stop = Stopper::new(limit);
@@ -64,14 +64,14 @@ impl List {
         Some(Begun { id, order, stop })
     }
 
-    /// How far a job is.
+    /// Updates the progress of a job.
     pub fn tell(&mut self, id: u64, done: f64, what: &str) {
         self.change(id, |job| {
             (job.progress, job.doing) = (done.clamp(0.0, 1.0), what.into());
         });
     }
 
-    /// The outcome of a job.
+    /// Notes the outcome of a job.
     pub fn end(&mut self, id: u64, result: Result<Diagnosed, Failure>) {
         self.running = None;
         self.change(id, |job| job.finish(result));
@@ -80,7 +80,7 @@ impl List {
     /// Cancels a job.
     ///
     /// # Errors
-    /// [`CancelError`] where there is nothing to cancel.
+    /// [`CancelError`] where it cannot be cancelled.
     pub fn cancel(&mut self, id: u64) -> Result<Job, CancelError> {
         let status = self.job(id).map(|job| job.status);
         match status.ok_or(CancelError::Unknown { id })? {

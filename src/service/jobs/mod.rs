@@ -1,4 +1,4 @@
-//! Diagnoses as jobs: one at a time, a few waiting, on threads that give way to everything else.
+//! Diagnoses as jobs: one at a time, a few waiting, on threads of lowest priority.
 
 mod job;
 mod list;
@@ -17,7 +17,7 @@ use crate::page::Page;
 pub use job::{Job, Status};
 use list::List;
 
-/// Jobs that may wait; a diagnosis takes a minute, and nobody waits for longer than a few.
+/// Most waiting jobs; a diagnosis takes a minute.
 const WAITING: usize = 4;
 
 /// Makes the report of a diagnosis, for a model and recordings of these names.
@@ -30,13 +30,13 @@ pub struct Order {
     pub recording: String,
     /// Its folder.
     pub path: PathBuf,
-    /// The model that is believed in.
+    /// The believed model.
     pub model: Model,
     /// The model's name in the report.
     pub model_name: String,
 }
 
-/// No room for one more.
+/// The queue is full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("{WAITING} diagnoses wait already; try again when one is done")]
 pub struct Full;
@@ -44,13 +44,13 @@ pub struct Full;
 /// Why a job cannot be cancelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum CancelError {
-    /// No such job, or no longer.
+    /// No such job, or it is no longer remembered.
     #[error("there is no diagnosis {id}, or no longer")]
     Unknown {
         /// The number asked for.
         id: u64,
     },
-    /// It has ended by itself.
+    /// It has already ended.
     #[error("diagnosis {id} has ended: it is {}", status.name())]
     Ended {
         /// The number asked for.
@@ -60,7 +60,7 @@ pub enum CancelError {
     },
 }
 
-/// All jobs; cheap to clone. The thread that does them ends when the last clone goes.
+/// All jobs; cheap to clone. Their thread ends with the last clone.
 #[derive(Clone, Debug)]
 pub struct Jobs {
     list: Arc<Mutex<List>>,
@@ -68,12 +68,12 @@ pub struct Jobs {
 }
 
 impl Jobs {
-    /// Starts the thread that does them, each for at most `limit`, and makes reports by `report`.
+    /// Starts the thread of the jobs, each for at most `limit`; `report` makes their reports.
     ///
     /// # Errors
-    /// The system's error where it makes no thread.
+    /// The system's error if it cannot create a thread.
     pub fn start(report: Report, limit: Duration) -> std::io::Result<Self> {
-        // One call that waits is enough: the thread then does all that there is.
+        // One pending wake-up is enough: the thread then does all waiting jobs.
         let (wake, woken) = mpsc::sync_channel(1);
         let list = Arc::new(Mutex::new(List::default()));
         let mine = Arc::clone(&list);
@@ -91,42 +91,42 @@ impl Jobs {
         Ok(Self { list, wake })
     }
 
-    /// Adds a job, and says how it stands.
+    /// Adds a job, and returns its state.
     ///
     /// # Errors
     /// [`Full`] where too many wait.
     pub fn add(&self, order: Order) -> Result<Job, Full> {
         let job = locked(&self.list).add(order)?;
-        // Where a call waits already, the thread will see this job, too.
+        // If a wake-up is pending already, the thread will see this job, too.
         let _ = self.wake.try_send(());
         Ok(job)
     }
 
-    /// Cancels a job: one that waits at once, one that runs within moments. To cancel twice is to cancel.
+    /// Cancels a job: a waiting one at once, a running one within moments. A second cancel has no effect.
     ///
     /// # Errors
-    /// [`CancelError`] where there is nothing to cancel.
+    /// [`CancelError`] where it cannot be cancelled.
     pub fn cancel(&self, id: u64) -> Result<Job, CancelError> {
         locked(&self.list).cancel(id)
     }
 
-    /// How a job stands; none where it is not known, or no longer.
+    /// The state of a job; `None` where it is unknown, or no longer remembered.
     pub fn job(&self, id: u64) -> Option<Job> {
         locked(&self.list).job(id).map(Job::now)
     }
 
-    /// All that are remembered, oldest first, without what they say.
+    /// All that are remembered, oldest first, without their diagnoses.
     pub fn all(&self) -> Vec<Job> {
         locked(&self.list).jobs().map(Job::short).collect()
     }
 
-    /// The report of a job that is done.
+    /// The report of a finished job.
     pub fn report(&self, id: u64) -> Option<Arc<str>> {
         locked(&self.list).job(id).and_then(Job::report)
     }
 }
 
-/// No holder can leave the list half changed: each change is one assignment after another of plain data.
+/// A panic cannot leave the list inconsistent: each change is a sequence of assignments of plain data.
 fn locked(list: &Mutex<List>) -> MutexGuard<'_, List> {
     list.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! One diagnosis, on threads that give way to everything else.
+//! One diagnosis, on threads of lowest priority.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use super::{Order, Report};
 use crate::diagnosis::{Diagnosis, DiagnosisError, Options, Progress, Stop, diagnose};
 use crate::recording::Recording;
 
-/// The nicest that a thread can be: it gets what others leave.
+/// The lowest priority of a thread.
 const NICEST: i32 = 19;
 
 /// The outcome of an order.
@@ -21,16 +21,16 @@ pub struct Diagnosed {
     pub report: String,
 }
 
-/// Why nothing became of an order.
+/// Why an order has no result.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// Nobody wants it any more.
+    /// It was cancelled.
     Cancelled,
-    /// A sentence that says why.
+    /// The reason as a sentence.
     Told(String),
 }
 
-/// Ends an order before its time: because it was cancelled, or has taken too long.
+/// Ends an order early: it was cancelled, or has taken too long.
 #[derive(Clone)]
 pub struct Stopper {
     cancelled: Arc<AtomicBool>,
@@ -48,7 +48,7 @@ impl Stopper {
         }
     }
 
-    /// Nobody wants it any more.
+    /// Cancels the order.
     pub fn cancel(&self) {
         self.cancelled.store(true, Relaxed);
     }
@@ -70,21 +70,21 @@ impl Stopper {
     }
 }
 
-/// Does an order.
+/// Executes an order.
 ///
 /// # Errors
-/// [`Failure`] where recording and model do not suit one another, the work fails, or is stopped.
+/// [`Failure`] where recording and model do not match, the work fails, or is stopped.
 pub fn diagnosed(
     order: &Order,
     report: Report,
     stop: &Stopper,
     progress: Progress,
 ) -> Result<Diagnosed, Failure> {
-    // A robot must not stop because a recording is odd: what goes wrong in here is told, and no more.
+    // An odd recording must not stop the robot: a panic in here is reported, and no more.
     let work = AssertUnwindSafe(|| on_nice_threads(|| work(order, report, stop, progress)));
     let broken = |_| Failure::Told("the diagnosis broke down; the log says where".into());
     let done = catch_unwind(work).map_err(broken)??;
-    // Nobody waits for what was cancelled, also where it was done before it heard of it.
+    // A cancelled job stays cancelled, even if its work was finished before it noticed.
     match stop.cancelled.load(Relaxed) {
         true => Err(Failure::Cancelled),
         false => done,
@@ -125,14 +125,14 @@ fn told(error: impl std::fmt::Display) -> Failure {
     Failure::Told(error.to_string())
 }
 
-/// Runs `work` in a pool of its own that leaves a core to the tick.
+/// Runs `work` in a pool of its own that leaves one core to the tick.
 fn on_nice_threads<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
     let cores = available_parallelism().map_or(1, usize::from);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(cores.saturating_sub(1).max(1))
         .thread_name(|index| format!("quell-diagnosis-{index}"))
         .start_handler(|_| {
-            // On Linux a priority is a thread's own; "none" is the one that asks.
+            // On Linux a priority belongs to a thread; `None` is the calling one.
             if let Err(error) = rustix::process::setpriority_process(None, NICEST) {
                 tracing::warn!(%error, "a thread of the diagnosis keeps its usual priority");
             }

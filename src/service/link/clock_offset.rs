@@ -1,13 +1,12 @@
-//! How far two clocks are apart, from datagrams of which some come quickly.
+//! Offset between two clocks, from datagrams of which some have little delay.
 
 /// Length of a window, s: clocks that drift by 100 ppm move by 1 ms in it.
 const WINDOW: f64 = 10.0;
 
 /// The difference of a sender's clock and the receiver's.
 ///
-/// `stamp - received = offset - delay`, and a delay is never negative: the largest difference within a
-/// window belongs to the datagram of least delay. The present and the last window count, so that a
-/// drift is followed.
+/// `stamp - received = offset - delay`, and a delay is never negative: the largest difference within a window
+/// belongs to the datagram of least delay. The present and the last window count, so that a drift is tracked.
 ///
 /// Source: minimum-delay filter of the Network Time Protocol, D. Mills, RFC 5905, section 10.
 #[derive(Clone, Copy, Debug, Default)]
@@ -37,7 +36,7 @@ impl ClockOffset {
         }
     }
 
-    /// Forgets everything, as after the sender's clock has started anew.
+    /// Restarts, for example after a restart of the sender's clock.
     pub fn restart(&mut self) {
         *self = Self::default();
     }

@@ -9,13 +9,13 @@ use crate::service::contract::Quantity;
 
 /// The longest datagram that is read, bytes; a longer one is malformed.
 pub const LONGEST: usize = 2048;
-/// The largest magnitude of a value: no joint, stamp or length of a robot comes near it, and squares
-/// of it are finite.
+/// The largest magnitude of a value: larger than any joint position, stamp or length of a robot, and its square
+/// is finite.
 pub(super) const LARGEST: f64 = 1e12;
 
 /// Robot to service: `{"t": 12.345, "joint": "joint_1", "motor_position": 0.1, "link_position": 0.1}`.
 ///
-/// Other keys of the object are left out of account.
+/// Other keys of the object are ignored.
 #[derive(Clone, Debug, Deserialize)]
 pub struct FromRobot<'a> {
     /// Stamp on the robot's clock, s.
@@ -38,8 +38,7 @@ pub struct FromRobot<'a> {
 }
 
 impl<'a> FromRobot<'a> {
-    /// Reads a datagram; `None` where it is not what it should be, or carries a value that no robot
-    /// has.
+    /// Reads a datagram; `None` where it is malformed, or contains an impossible value.
     ///
     /// # Example
     /// ```
@@ -50,7 +49,7 @@ impl<'a> FromRobot<'a> {
     /// assert!(FromRobot::parse(nameless).is_none());
     /// ```
     pub fn parse(bytes: &'a [u8]) -> Option<Self> {
-        // The library takes an array for the values of an object in their order: what they are of is not said.
+        // Serde accepts an array for an object's values in their order, which does not name the quantities.
         if bytes.trim_ascii_start().starts_with(b"[") {
             return None;
         }
@@ -62,7 +61,7 @@ impl<'a> FromRobot<'a> {
         (something && all && usual(&datagram.t)).then_some(datagram)
     }
 
-    /// Its values; a scalar stands first.
+    /// Its values; a scalar is the first component.
     pub fn quantities(&self) -> impl Iterator<Item = (Quantity, [f64; 3])> + use<'a> {
         let scalar = |value: Option<f64>| value.map(|value| [value, 0.0, 0.0]);
         [
@@ -77,9 +76,9 @@ impl<'a> FromRobot<'a> {
     }
 }
 
-/// Service to robot, each tick: `{"seq": 7, "t": 12.348, "joint": "joint_1", "position": ..,
-/// "velocity": .., "acceleration": ..}`. Written into `buffer`, whose part that is filled comes back;
-/// `t` is on the service's clock. No allocation.
+/// Service to robot, each tick: `{"seq": 7, "t": 12.348, "joint": "joint_1", "position": .., "velocity": ..,
+/// "acceleration": ..}`. It is written into `buffer`, whose filled part is returned; `t` is on the service's
+/// clock. No allocation.
 ///
 /// `joint` is a name that needs no escapes. `None` where the buffer is too short.
 pub fn write_setpoint<'b>(

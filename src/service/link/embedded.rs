@@ -1,4 +1,4 @@
-//! The simulated arm as a robot in real time: from setpoint to setpoint, a step for each control period
+//! The simulated arm as a robot in real time: from setpoint to setpoint, one step for each control period
 //! between them.
 
 use quell_shapers::Setpoint;
@@ -10,12 +10,12 @@ use crate::service::bridged::bridged;
 use crate::service::contract::{LinkHealth, Measured, Quantity};
 use crate::signal::Measurement;
 
-/// The simulated arm. It goes by the stamps of the setpoints: where ticks were missed the motion between
-/// two of them takes the longer. A gap that is too long to be made up for stops it, and its clock.
+/// The simulated arm. It follows the stamps of the setpoints: after missed ticks the motion between two
+/// setpoints takes longer. A gap that is too long for that stops the arm and its clock.
 pub struct EmbeddedLink {
     arm: ArmSimulation,
     period: f64,
-    /// The last setpoints, and when the last one was sent, s.
+    /// The last two setpoints, and the time of the last one, s.
     setpoints: [Setpoint; 2],
     sent: Option<f64>,
     /// Control periods between them.
@@ -56,7 +56,7 @@ impl RobotLink for EmbeddedLink {
                 inbox.push(measured(measurement, now));
             }
         }
-        // Until it is sent another one it stands where the last one put it.
+        // Until the next setpoint it stays at the last one.
         (self.setpoints[0], self.periods) = (self.setpoints[1], 1);
         self.counters.clock_offset_s = Some(self.arm.time() - now);
     }

@@ -1,4 +1,4 @@
-//! Where a robot's measurements enter: put in order by their stamps, counted, and handed to the tick.
+//! Intake of a robot's measurements: sorted by their stamps, counted, and handed to the tick.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use rtrb::Producer;
 use super::{ClockOffset, Order, Sequence};
 use crate::service::contract::{LinkHealth, Measured, Quantity};
 
-/// Quantities that a joint may be measured in.
+/// Number of quantities of a joint.
 const QUANTITIES: usize = 5;
 
 /// The items that a receiving thread hands to the tick.
@@ -35,7 +35,7 @@ pub(super) struct Counts {
     pub unsigned: AtomicU64,
     pub replayed: AtomicU64,
     overflowed: AtomicU64,
-    /// The clock's offset as bits of a number; not a number before it is known.
+    /// The clock's offset as bits of a floating-point number; NaN before it is known.
     clock_offset: AtomicU64,
 }
 
@@ -60,14 +60,14 @@ impl Default for Counts {
 }
 
 impl Counts {
-    /// Counts a message as received: last, so that whoever sees it counted sees what became of it, too.
+    /// Counts a message as received. This is last, so that a reader that sees it counted also sees its outcome.
     pub fn finished(&self) {
         self.received.fetch_add(1, Release);
     }
 
-    /// The counts so far; the link itself knows what it sent, and to whom.
+    /// The counts so far; the link itself counts what it sent.
     pub fn counters(&self) -> LinkHealth {
-        // First: what became of these has been counted.
+        // First: the outcome of these messages has been counted already.
         let received = self.received.load(Acquire);
         let count = |counter: &AtomicU64| counter.load(Relaxed);
         let offset = f64::from_bits(count(&self.clock_offset));
@@ -89,19 +89,19 @@ impl Counts {
     }
 }
 
-/// The receiving end of the ring to the tick.
+/// The receiver's end of the ring to the tick.
 pub(super) struct Intake {
     ring: Producer<Received>,
     counts: Arc<Counts>,
     /// Delay from which on a measurement counts as late, s.
     late: f64,
-    /// One for each joint and quantity.
+    /// One sequence for each joint and quantity.
     sequences: Vec<[Sequence; QUANTITIES]>,
     offset: ClockOffset,
 }
 
 impl Intake {
-    /// For so many joints; what is delayed by more than `watchdog` is late.
+    /// For a number of joints; a delay above `watchdog` counts as late.
     pub fn new(
         joints: usize,
         watchdog: Duration,
@@ -122,16 +122,16 @@ impl Intake {
         &self.counts
     }
 
-    /// Tells the tick the robot's address; whether there was room to.
+    /// Passes the robot's address to the tick; returns whether there was room.
     pub fn adopt(&mut self, peer: SocketAddr) -> bool {
         self.ring.push(Received::Peer(peer)).is_ok()
     }
 
-    /// Takes what a joint was measured in at one stamp (s on the robot's clock): counts what is in
-    /// order and what is not, and hands on what is. `now` is on the service's clock, s.
+    /// Takes the measurements of a joint with one stamp (s on the robot's clock): counts those in and out of
+    /// order, and hands on the former. `now` is on the service's clock, s.
     ///
-    /// Without a stamp it counts as measured now. Nothing tells then how many are missing: what comes in
-    /// a burst was not measured in one.
+    /// Without a stamp it counts as measured now. Losses cannot be detected then, since a burst was not
+    /// measured as one.
     pub fn take(
         &mut self,
         joint: usize,
@@ -188,7 +188,7 @@ impl Intake {
     }
 }
 
-/// Counts some more.
+/// Increases a counter.
 pub(super) fn count(counter: &AtomicU64, by: u64) {
     counter.fetch_add(by, Relaxed);
 }

@@ -1,37 +1,35 @@
-//! The stamps of one sensor: in order, doubled, out of order, and how many are missing.
+//! The stamps of one sensor: in order, doubled or out of order, and the number of missing ones.
 //!
-//! A loss is judged with hindsight: a gap between two stamps is looked at when [`HALF`] younger
-//! ones have come. By then whatever took a longer way is there, and the sensor's usual gap is known from
-//! both sides: it is the larger one of the medians before and after. A median does not follow a burst,
-//! stamps that lie closer than usual for a while, and where the rate changes for good the larger of the
-//! two counts none as missing that the sensor did not send. A sensor that pauses and then sends what it
-//! held back leaves a long gap and a run of short ones: these are what seemed to be missing.
+//! A loss is judged with hindsight: a gap between two stamps is evaluated when [`HALF`] newer ones have
+//! arrived. By then late datagrams are there, and the sensor's usual gap is known from both sides: the larger
+//! one of the medians before and after. A median is robust against a burst of stamps that are closer than
+//! usual. If the rate changes for good, the larger median avoids a false count of losses. A sensor that pauses
+//! and then sends what it held back leaves a long gap and a run of short ones, which fill the apparent loss.
 
-/// A stamp older than the newest by more than this is no longer a datagram that took a longer way, s:
-/// the robot's clock has started anew.
+/// Age relative to the newest stamp, s, above which an older stamp is not a late datagram: the robot's clock
+/// was restarted.
 const LONGEST_WAY: f64 = 1.0;
-/// So many stamps in succession from a clock that seems to have started anew are believed: one alone
-/// may be damaged.
+/// Number of successive stamps from a restarted clock that are required: a single one may be damaged.
 const BELIEVED: u32 = 8;
-/// Stamps on either side of a gap that it is judged by: at 1 kHz a datagram may be 64 ms late, and a
-/// burst of up to 31 does not change what is usual.
+/// Stamps on either side of a gap for its evaluation: at 1 kHz a datagram may be 64 ms late, and a burst of up
+/// to 31 does not change the median.
 const HALF: usize = 64;
-/// Share of the usual gap below which one is short: half way to none.
+/// Share of the usual gap below which one is short.
 const SHORT: f64 = 0.5;
 
-/// The kind of a stamp, seen after those before it.
+/// The kind of a stamp relative to those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
     /// The newest so far.
     Next {
-        /// Stamps that are lost, by the sensor's usual gap: missing, and too old by now to come still.
+        /// Number of lost stamps, by the sensor's usual gap: missing, and too old to arrive still.
         lost: u64,
     },
     /// Exactly the newest once more.
     Doubled,
     /// Older than the newest.
     Older,
-    /// The robot's clock has started anew: everything before is to be forgotten.
+    /// The robot's clock was restarted: everything before is to be discarded.
     Restarted,
 }
 
@@ -41,7 +39,7 @@ pub struct Sequence {
     /// The last stamps, in order.
     stamps: [f64; 2 * HALF + 2],
     length: usize,
-    /// Gaps that have been judged, counted from the oldest stamp.
+    /// Number of evaluated gaps, counted from the oldest stamp.
     judged: usize,
     behind: u32,
 }
@@ -89,7 +87,7 @@ impl Sequence {
         &self.stamps[..self.length]
     }
 
-    /// One that took a longer way is put where it belongs, unless that has been judged.
+    /// Inserts a late stamp, unless its gap has been evaluated.
     fn comes_late(&mut self, stamp: f64) {
         let place = self.known().partition_point(|known| *known < stamp);
         if place > self.judged && self.stamps[place] != stamp {
@@ -100,7 +98,7 @@ impl Sequence {
     fn insert(&mut self, place: usize, stamp: f64) {
         let mut place = place;
         if self.length == self.stamps.len() {
-            // The oldest goes; the gap behind it has been judged, or never will be.
+            // The oldest is dropped; the gap behind it has been evaluated, or never will be.
             self.stamps.copy_within(1.., 0);
             self.length -= 1;
             self.judged = self.judged.saturating_sub(1);
@@ -111,7 +109,7 @@ impl Sequence {
         self.length += 1;
     }
 
-    /// Judges the gaps behind which enough has come; says how many stamps are lost in them.
+    /// Evaluates the gaps that have enough newer stamps; returns the number of lost stamps in them.
     fn judge(&mut self) -> u64 {
         let mut lost = 0;
         while self.length > self.judged + 1 + HALF {
@@ -126,7 +124,7 @@ impl Sequence {
         let known = self.known();
         let before = median(&known[index.saturating_sub(HALF)..=index]);
         let after = median(&known[index + 1..]);
-        // The median of a few gaps may itself be one with stamps missing.
+        // The median of a few gaps may itself be a gap with losses.
         let usual = match index >= HALF {
             true => before.max(after),
             false => after,
@@ -141,8 +139,8 @@ impl Sequence {
     }
 }
 
-/// The median of the gaps between stamps, the lower one of two; at most [`HALF`] of them. The short gaps of a burst
-/// would draw it to the least of the usual ones: it is taken of what is not short beside the median of all.
+/// The median of the gaps between stamps, the lower one of two; at most [`HALF`] of them. The short gaps of a
+/// burst would reduce it, so the median is taken over gaps that are not short relative to the median of all.
 fn median(stamps: &[f64]) -> f64 {
     let mut gaps = [0.0; HALF];
     let count = (stamps.len().saturating_sub(1)).min(HALF);

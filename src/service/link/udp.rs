@@ -1,4 +1,4 @@
-//! UDP: a thread takes datagrams apart, the tick takes their numbers from a ring and sends by itself.
+//! UDP: a thread decodes datagrams, the tick takes their values from a ring and sends by itself.
 
 mod receiver;
 
@@ -21,16 +21,15 @@ pub use receiver::{Ear, Heard};
 /// The settings of the UDP link.
 #[derive(Clone, Debug)]
 pub struct UdpSettings {
-    /// Where it listens.
+    /// The address of the service.
     pub address: SocketAddr,
     /// The robot's address; where absent, and on loopback only, that of its first datagram.
     pub robot: Option<SocketAddr>,
     /// Names of the joints.
     pub joints: Vec<String>,
-    /// Silence after which the address of a robot may be taken anew, and delay from which on a
-    /// datagram counts as late.
+    /// Silence after which the address of a robot may change, and delay above which a datagram counts as late.
     pub watchdog: Duration,
-    /// Signs what goes out; what comes in must be signed by it.
+    /// Key that signs outgoing datagrams, and with which incoming ones must be signed.
     pub key: Option<Key>,
 }
 
@@ -58,8 +57,8 @@ impl UdpLink {
         socket.set_nonblocking(true)?;
         let ending = Arc::new(AtomicBool::new(false));
         let (joints, key) = (settings.joints.clone(), settings.key.clone());
-        // A number under a key is used once, also after the next start: there are fewer setpoints than
-        // microseconds, and JSON's readers hold these to the last digit.
+        // A sequence number is used only once with a key, also after a restart. There are fewer setpoints than
+        // microseconds, and JSON readers keep these to the last digit.
         let sequence = match &key {
             Some(_) => (1e6 * clock.unix_time()) as u64,
             None => 0,
@@ -83,7 +82,7 @@ impl UdpLink {
         })
     }
 
-    /// Where it listens.
+    /// Its address.
     ///
     /// # Errors
     /// The system's error.
@@ -112,8 +111,8 @@ impl RobotLink for UdpLink {
             (_, length) => length,
         };
         let bytes = length.and_then(|length| self.buffer.get(..length));
-        // A full buffer of the system loses this setpoint, as the network may; the next is a period
-        // away.
+        // If the system's buffer is full, this setpoint is lost, as in the network; the next one follows a
+        // period later.
         match bytes.map(|bytes| self.socket.send_to(bytes, peer)) {
             Some(Ok(_)) => self.sent += 1,
             _ => self.failures += 1,
@@ -133,7 +132,7 @@ impl Drop for UdpLink {
     fn drop(&mut self) {
         self.ending.store(true, Relaxed);
         if let Some(receiver) = self.receiver.take() {
-            // It has nothing to say; if it panicked, that was reported when it did.
+            // It returns nothing; a panic was reported when it occurred.
             let _ = receiver.join();
         }
     }

@@ -1,10 +1,10 @@
-//! The demands on the recorder.
+//! Requests to the recorder.
 
 use tokio::sync::oneshot;
 
 use super::RecordError;
 
-/// A demand on the recorder.
+/// A request to the recorder.
 #[derive(Debug)]
 pub enum Demand {
     /// A recording of a joint, until it is ended.
@@ -13,17 +13,17 @@ pub enum Demand {
         joint: String,
         /// Its number, counted from 0.
         index: usize,
-        /// Where the name goes.
+        /// Channel for the name.
         reply: oneshot::Sender<Result<String, RecordError>>,
     },
     /// The end of it.
     End {
-        /// Where the name goes.
+        /// Channel for the name.
         reply: oneshot::Sender<Result<String, RecordError>>,
     },
     /// The end of the recorder.
     Close {
-        /// Told when all is on the shelf.
+        /// Notified when everything is on the shelf.
         reply: oneshot::Sender<()>,
     },
 }

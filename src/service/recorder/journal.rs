@@ -1,4 +1,4 @@
-//! The journal of a recording, on disk as it comes: a service that is killed leaves it readable up to the cut.
+//! The journal of a recording, written during the recording: after a kill it is readable up to the cut.
 
 use std::path::Path;
 
@@ -6,15 +6,15 @@ use super::log::{Log, Written};
 use crate::recording::{McapWriter, RecordingError};
 use crate::service::disk::{Disk, beside};
 
-/// A file that grows with its recording. It is replaced once the recording is whole.
+/// A file that grows with its recording. It is replaced once the recording is complete.
 pub struct Journal {
     file: McapWriter,
     written: Written,
 }
 
 impl Journal {
-    /// Begins a file with what has come so far. It takes its name then, so that one of before a failure
-    /// is there until this one has as much.
+    /// Begins a file with the samples so far. It gets its name only then, so that a file from before a failure
+    /// stays until this one contains as much.
     pub fn begin(
         disk: &Disk,
         path: &Path,
@@ -30,7 +30,7 @@ impl Journal {
             written: log.nothing_written(),
         };
         journal.write(log, joint)?;
-        // What takes a name is on the medium; what comes later is there when the system writes it.
+        // A renamed file is durable; later data are there when the system writes them.
         let storage = disk.storage();
         let renamed = storage
             .sync(&path_of_new)
@@ -39,7 +39,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Writes what has come since the last time.
+    /// Writes the samples since the last call.
     pub fn write(&mut self, log: &Log, joint: &str) -> Result<(), RecordingError> {
         log.write_on(&mut self.written, &mut self.file, joint)?;
         self.file.flush()

@@ -1,12 +1,12 @@
-//! What was known of a joint while it was recorded: the modes that its moves had taught, and the train in force.
+//! Knowledge about a joint during a recording: its learned modes, and the train in force.
 
 use crate::recording::{McapWriter, RecordingError};
 use crate::service::contract::{JointSnapshot, LearningView, TrainView};
 
-/// Changes that are kept: a train changes a few times a move, and a recording on demand may be long.
+/// Most changes that are kept: a train changes a few times in a move, and a recording on demand may be long.
 const MOST: usize = 4_000;
 
-/// Modes and trains, each from an instant on.
+/// Modes and trains, each valid from an instant on.
 #[derive(Clone, Debug, Default)]
 pub struct Known {
     changes: Vec<(f64, Change)>,
@@ -14,7 +14,7 @@ pub struct Known {
     train: TrainView,
 }
 
-/// What is new.
+/// A change.
 #[derive(Clone, Debug)]
 enum Change {
     Modes(LearningView),
@@ -22,7 +22,7 @@ enum Change {
 }
 
 impl Known {
-    /// Takes what is known at `time`, s on the service's clock, where it is something else than before.
+    /// Adds the knowledge at `time`, s on the service's clock, if it has changed.
     pub fn take(&mut self, time: f64, joint: &JointSnapshot) {
         if self.changes.len() >= MOST {
             return;
@@ -37,7 +37,7 @@ impl Known {
         }
     }
 
-    /// Writes what was new up to `time`, from the change of number `next` on; times count from `origin`.
+    /// Writes changes up to `time`, from number `next` on; times are relative to `origin`.
     pub fn write_on(
         &self,
         next: &mut usize,
@@ -46,7 +46,7 @@ impl Known {
         joint: &str,
     ) -> Result<(), RecordingError> {
         while let Some((at, change)) = self.changes.get(*next).filter(|(at, _)| *at <= time) {
-            // What was known before the file begins stands at its beginning.
+            // Knowledge from before the file is written at its beginning.
             let at = (at - origin).max(0.0);
             match change {
                 Change::Modes(modes) => {

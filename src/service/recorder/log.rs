@@ -1,4 +1,4 @@
-//! The samples of one joint, gathered while it moves.
+//! The samples of one joint during a recording.
 
 use std::path::Path;
 
@@ -6,11 +6,11 @@ use super::known::Known;
 use crate::recording::{Channel, McapWriter, Recording, RecordingError, Role, Sink};
 use crate::service::contract::{Batch, JointSnapshot, Measured, Quantity};
 
-/// Rows that a channel may have: five minutes at 4 kHz. What comes later is left out.
+/// Most rows of a channel: five minutes at 4 kHz. Later ones are dropped.
 const MOST_ROWS: usize = 1_200_000;
 
-/// Wall times that a file may begin at, seconds since 1970: a day from either end of what a stamp of ROS 2
-/// can hold. A clock that is wrong by decades shall not cost the recording.
+/// Range of wall times for the start of a file, seconds since 1970: a day within the range of ROS 2 stamps. A
+/// clock that is wrong by decades must not cost the recording.
 const FIRST_DAY: f64 = 86_400.0;
 const LAST_DAY: f64 = i32::MAX as f64 - 86_400.0;
 
@@ -21,21 +21,21 @@ pub struct Log {
     from: f64,
     command: Command,
     sensors: Vec<Sensor>,
-    /// Modes and trains meanwhile.
+    /// Modes and trains during the recording.
     known: Known,
-    /// Least of reception minus stamp, s: the sensors' clocks stand so far behind the service's, but
-    /// for the delay of the fastest sample.
+    /// Least value of reception minus stamp, s: the lag of the sensors' clocks behind the service's, up to the
+    /// delay of the fastest sample.
     behind: f64,
 }
 
-/// How much of a log is in a file, and how its times count there.
+/// Part of a log that is already in a file, and the origin of its times there.
 pub struct Written {
     origin: f64,
     behind: f64,
     commands: usize,
     /// By sensor.
     samples: Vec<usize>,
-    /// Changes of what is known of the joint.
+    /// Number of changes of the knowledge about the joint.
     known: usize,
 }
 
@@ -67,8 +67,8 @@ impl Log {
         }
     }
 
-    /// Takes what a batch holds of the joint. Measurements that were refused are left out, and stamps
-    /// that do not ascend: they would be no recording.
+    /// Adds a batch's data of the joint. Refused measurements and stamps that do not increase are left out,
+    /// since they would be an invalid recording.
     pub fn take(&mut self, batch: &Batch) {
         let ticks = batch.ticks.iter();
         for row in ticks.filter(|row| row.joint == self.joint && row.time >= self.from) {
@@ -87,17 +87,17 @@ impl Log {
         }
     }
 
-    /// Takes what is known of the joint at `time`, s on the service's clock.
+    /// Adds the knowledge about the joint at `time`, s on the service's clock.
     pub fn know(&mut self, time: f64, joint: &JointSnapshot) {
         self.known.take(time.max(self.from), joint);
     }
 
-    /// Whether it has commands, and measurements that tell how the clocks stand.
+    /// Whether it has commands, and measurements that determine the clocks' offset.
     pub fn is_measured(&self) -> bool {
         !self.command.time.is_empty() && self.behind.is_finite()
     }
 
-    /// Whether it holds as much as it may.
+    /// Whether it has reached its largest size.
     pub fn is_full(&self) -> bool {
         self.command.time.len() >= MOST_ROWS
     }
@@ -110,8 +110,8 @@ impl Log {
         }
     }
 
-    /// The recording, its time counted from the first command. All sensors are shifted by one number,
-    /// so that what their clocks say of one another stays.
+    /// The recording, with times from the first command on. All sensors are shifted by the same number, so that
+    /// their relative times do not change.
     pub fn recording(&self, name: &str, payload: Option<f64>) -> Recording {
         let origin = self.origin();
         let position = self.command.state.iter().map(|state| state[0]);
@@ -140,8 +140,8 @@ impl Log {
         }
     }
 
-    /// The same into an MCAP file, in the order in which it happened. `path` stands in errors; `epoch`
-    /// is the wall time at which the service's clock was 0, seconds since 1970.
+    /// The same as an MCAP file, in the order of events. `path` is for errors; `epoch` is the wall time at
+    /// which the service's clock was 0, seconds since 1970.
     ///
     /// # Errors
     /// [`RecordingError`] where the file cannot be written.
@@ -157,7 +157,7 @@ impl Log {
         file.finish()
     }
 
-    /// An MCAP file without anything in it.
+    /// An empty MCAP file.
     ///
     /// # Errors
     /// [`RecordingError`] where the file cannot be written.
@@ -173,7 +173,7 @@ impl Log {
         McapWriter::on(file, path, &[joint], wall)
     }
 
-    /// How far a file that is begun now has come.
+    /// The state of a new file.
     pub fn nothing_written(&self) -> Written {
         Written {
             origin: self.origin(),
@@ -184,7 +184,7 @@ impl Log {
         }
     }
 
-    /// Writes what is not yet in a file, up to the last command.
+    /// Writes the data that are not yet in a file, up to the last command.
     ///
     /// # Errors
     /// [`RecordingError`] where the file cannot be written.
@@ -247,7 +247,7 @@ impl Sensor {
         }
     }
 
-    /// Writes a sample; times count from `origin`, and the sensors' clocks are so far `behind`.
+    /// Writes a sample; times are relative to `origin`, and the sensors' clocks lag by `behind`.
     fn write(
         &self,
         index: usize,
@@ -267,7 +267,7 @@ impl Sensor {
     }
 }
 
-/// Whether a stamp may stand next.
+/// Whether a stamp may follow.
 fn follows(time: &[f64], stamp: f64) -> bool {
     time.len() < MOST_ROWS && time.last().is_none_or(|&last| stamp > last)
 }

@@ -1,4 +1,4 @@
-//! The recorder: listens to the stream and puts each move, or what is asked for, onto the shelf.
+//! The recorder: reads the stream and stores each move, and recordings on demand, on the shelf.
 
 mod demand;
 mod journal;
@@ -18,24 +18,24 @@ use demand::Demand;
 pub use shelf::{About, Archive, Bounds, Draft, Entry, Shelf, ShelfError, name_of_move};
 use task::Task;
 
-/// The whole as one file in the profile of ROS 2, beside manifest and CSV.
+/// The whole recording as one file in the profile of ROS 2, besides manifest and CSV.
 const MCAP: &str = "recording.mcap";
-/// Requests that may wait.
+/// Most waiting requests.
 const REQUESTS: usize = 8;
 
-/// Why nothing is recorded on demand.
+/// Why a recording on demand fails.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RecordError {
-    /// One runs already.
+    /// One is running already.
     #[error("{joint} is being recorded already")]
     Running {
         /// The joint.
         joint: String,
     },
-    /// None runs.
+    /// None is running.
     #[error("nothing is being recorded on demand")]
     NotRunning,
-    /// The disk refuses it, or what was recorded is no recording.
+    /// The disk refuses it, or its data are no valid recording.
     #[error("the recording {name} is not kept: {reason}")]
     NotKept {
         /// Its name.
@@ -48,7 +48,7 @@ pub enum RecordError {
     Gone,
 }
 
-/// The outside's end of the recorder; cheap to clone.
+/// A handle to the recorder; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Recorder {
     shelf: Arc<Shelf>,
@@ -56,12 +56,12 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Starts to listen, as long as the runtime lives.
+    /// Starts to read the stream, as long as the runtime lives.
     pub fn start(handle: &Handle, shelf: impl Into<Arc<Shelf>>) -> Self {
         let shelf = shelf.into();
         let (requests, requested) = mpsc::channel(REQUESTS);
         let task = Task::new(handle.clone(), Arc::clone(&shelf));
-        // From here on nothing is missed, whenever the task begins.
+        // Subscribed here, so that nothing is missed, whenever the task begins.
         tokio::spawn(task.run(handle.stream(), requested));
         Self { shelf, requests }
     }
@@ -71,10 +71,10 @@ impl Recorder {
         &self.shelf
     }
 
-    /// Records a joint from now on until [`Recorder::end`], five minutes at most; returns the name.
+    /// Records a joint from now on until [`Recorder::end`], at most five minutes; returns the name.
     ///
     /// # Errors
-    /// [`RecordError`] where one is recorded already, or the disk refuses.
+    /// [`RecordError`] where a recording on demand is running, or the disk refuses.
     pub async fn begin(&self, joint: &str, index: usize) -> Result<String, RecordError> {
         let joint = joint.to_owned();
         self.ask(|reply| Demand::Begin {
@@ -85,20 +85,20 @@ impl Recorder {
         .await
     }
 
-    /// Ends what [`Recorder::begin`] began; returns the name that it has on the shelf.
+    /// Ends the recording of [`Recorder::begin`]; returns its name on the shelf.
     ///
     /// # Errors
-    /// [`RecordError`] where nothing is recorded on demand, or the disk refuses.
+    /// [`RecordError`] where no recording on demand is running, or the disk refuses.
     pub async fn end(&self) -> Result<String, RecordError> {
         self.ask(|reply| Demand::End { reply }).await
     }
 
-    /// Puts onto the shelf what is being recorded, and ends. For after the engine's end: what the
-    /// stream still holds is taken first.
+    /// Stores running recordings on the shelf, and ends. To be called after the engine's end: the rest of the
+    /// stream is read first.
     pub async fn close(&self) {
         let (reply, closed) = oneshot::channel();
         if self.requests.send(Demand::Close { reply }).await.is_ok() {
-            // It has ended, one way or another.
+            // It has ended in any case.
             let _ = closed.await;
         }
     }

@@ -1,4 +1,4 @@
-//! One recording that is being made.
+//! A running recording.
 
 use std::sync::Arc;
 
@@ -7,21 +7,21 @@ use super::log::Log;
 use super::{About, MCAP, Shelf, ShelfError};
 use crate::service::contract::{DiskPart, Handle, RecordingNews, Snapshot};
 
-/// One recording that is being made.
+/// A running recording.
 pub struct Running {
-    /// Number of the move; none where it was asked for.
+    /// Number of the move; `None` for a recording on demand.
     pub id: Option<u64>,
-    /// Name that it shall have.
+    /// Its intended name.
     pub name: String,
     /// Its subject.
     pub about: About,
     /// The samples so far.
     pub log: Log,
-    /// Its file on the disk so far; none before the first, and where the disk has refused it.
+    /// Its file on the disk so far; `None` before the first, and if the disk has refused it.
     pub journal: Option<Journal>,
-    /// Whether it cannot be written down while it is made, for another reason than the disk.
+    /// Whether it cannot be written during the recording for another reason than the disk.
     pub unwritable: bool,
-    /// Whether the disk knows what it is of.
+    /// Whether its description is on the disk.
     pub described: bool,
     /// Whether the engine was told that it is on the disk.
     pub told: bool,
@@ -30,7 +30,7 @@ pub struct Running {
 }
 
 impl Running {
-    /// One that begins.
+    /// A new recording.
     pub fn new(id: Option<u64>, name: String, about: About, log: Log) -> Self {
         Self {
             id,
@@ -45,7 +45,7 @@ impl Running {
         }
     }
 
-    /// Takes what is known of its joint now.
+    /// Adds the present knowledge about its joint.
     pub fn know(&mut self, now: &Snapshot) {
         let mut joints = now.joints.iter();
         if let Some(joint) = joints.find(|joint| joint.name == self.about.joint) {
@@ -53,7 +53,7 @@ impl Running {
         }
     }
 
-    /// Tells the engine whether it is on the disk, where that has changed.
+    /// Tells the engine whether it is on the disk, if that has changed.
     pub fn tell(&mut self, handle: &Handle) {
         let is_there = self.journal.is_some();
         if let Some(move_id) = self.id
@@ -68,8 +68,8 @@ impl Running {
         }
     }
 
-    /// Writes down what has come since the last time. Where the disk refuses, the recording is begun
-    /// anew on it when there is room again, and is still kept at its end.
+    /// Writes the samples since the last call. If the disk refuses, the recording is begun again on it when
+    /// there is room, and is still stored at its end.
     fn write_down(&mut self, shelf: &Shelf, epoch: f64) {
         let no_room = self.journal.is_none() && shelf.disk().is_failing(DiskPart::Recordings);
         if self.unwritable || no_room || !self.log.is_measured() {
@@ -103,8 +103,8 @@ impl Running {
     }
 }
 
-/// Has written down what has come of all, on a thread that may wait for the disk, and tells the engine what is on
-/// it. `epoch` is the Unix time of the service's clock's zero, s.
+/// Writes the new samples of all recordings, on a thread that may block, and tells the engine which ones are on
+/// the disk. `epoch` is the Unix time of the service's clock's zero, s.
 pub async fn write_down(
     mut all: Vec<Running>,
     shelf: &Arc<Shelf>,

@@ -14,14 +14,13 @@ use crate::service::contract::{
     Batch, DiskPart, Event, Handle, MoveResult, MoveStart, RecordingNews,
 };
 
-/// Rest before a move that is recorded with it, s: the noise is measured there.
+/// Rest before a move that is recorded with it, s, for the measurement of the noise.
 const BEFORE: f64 = 1.0;
-/// Rest after it, s: what still rings tells the damping. Another move ends it at once.
+/// Rest after it, s, for the damping of the residual vibration. Another move ends it at once.
 const AFTER: f64 = 1.0;
-/// How often what has come is written down, s: what a kill may cost. As often as the file closes its
-/// chunks by itself.
+/// Interval of writing, s: the loss by a kill. It equals the interval at which the file closes its chunks.
 const EVERY: f64 = 0.25;
-/// How often a disk that has refused something is asked whether there is room again, s.
+/// Interval at which a disk that has refused a write is tried again, s.
 const AGAIN: f64 = 1.0;
 
 /// The recorder's task.
@@ -31,16 +30,16 @@ pub struct Task {
     /// The newest samples, for the rest before a move.
     before: VecDeque<Arc<Batch>>,
     running: Vec<Running>,
-    /// When what has come was last written down, s on the service's clock.
+    /// Time of the last write, s on the service's clock.
     written: f64,
-    /// When the disk was last asked whether there is room, s on the service's clock.
+    /// Time of the last check for room on the disk, s on the service's clock.
     asked: f64,
-    /// Whether something unfinished waits for room.
+    /// Whether an unfinished recording waits for room.
     unfinished: bool,
 }
 
 impl Task {
-    /// One that has not heard anything yet.
+    /// A task that has not read anything yet.
     pub fn new(handle: Handle, shelf: Arc<Shelf>) -> Self {
         Self {
             // The shelf could not be put in order.
@@ -54,7 +53,7 @@ impl Task {
         }
     }
 
-    /// Listens until it is closed, or nobody speaks any more.
+    /// Reads the stream until it is closed, or its senders are gone.
     pub async fn run(
         mut self,
         mut stream: broadcast::Receiver<Arc<Batch>>,
@@ -62,7 +61,7 @@ impl Task {
     ) {
         loop {
             tokio::select! {
-                // What has come belongs to what is asked for after it.
+                // Arrived data belong to a request that comes after them.
                 biased;
                 batch = stream.recv() => match batch {
                     Ok(batch) => self.take(batch).await,
@@ -70,7 +69,7 @@ impl Task {
                     Err(RecvError::Closed) => break,
                 },
                 Some(demand) = requests.recv() => match demand {
-                    // Whoever asked may have gone.
+                    // The client may have disconnected.
                     Demand::Begin { joint, index, reply } => {
                         let _ = reply.send(self.begin(joint, index).await);
                     }
@@ -119,13 +118,13 @@ impl Task {
         let full = |one: &Running| one.id.is_none() && one.log.is_full();
         if self.running.iter().any(full) {
             tracing::warn!("a recording on demand has reached its longest and ends");
-            // It is there, and what goes wrong on the disk is told by `put`.
+            // It exists, and `put` reports errors of the disk.
             let _ = self.end().await;
         }
         self.remember(batch);
     }
 
-    /// Keeps the batch as long as a move could begin that wants it.
+    /// Keeps the batch as long as a move that includes it could begin.
     fn remember(&mut self, batch: Arc<Batch>) {
         let now = last_time(&batch);
         self.before.push_back(batch);
@@ -135,19 +134,19 @@ impl Task {
         }
     }
 
-    /// Keeps the recordings of moves that have ended and are no longer waited for.
+    /// Stores the recordings of finished moves whose time is over.
     async fn ring_out(&mut self, over: impl Fn(&Running) -> bool) {
         let ended = |one: &Running| one.about.result.is_some() && over(one);
         while let Some(index) = self.running.iter().position(ended) {
             let running = self.running.remove(index);
-            // What goes wrong is told by `put`.
+            // `put` reports errors.
             let _ = self.put(running).await;
         }
     }
 
     async fn put_all(&mut self) {
         while let Some(running) = self.running.pop() {
-            // What goes wrong is told by `put`.
+            // `put` reports errors.
             let _ = self.put(running).await;
         }
     }
@@ -176,9 +175,9 @@ impl Task {
         let ended = |one: &&mut Running| one.id == Some(result.id) && one.about.result.is_none();
         if let Some(running) = self.running.iter_mut().find(ended) {
             running.about.result = Some(result.clone());
-            // The disk shall know it before the recording is whole.
+            // The result is written before the recording is complete.
             running.described = false;
-            // What interrupted it has a recording of its own.
+            // The move that interrupted it has a recording of its own.
             running.until = if result.interrupted { now } else { now + AFTER };
         }
     }
@@ -197,7 +196,7 @@ impl Task {
             ..About::default()
         };
         let described = about.clone();
-        // Whoever asks hears at once where the disk takes nothing.
+        // The client is told at once if the disk refuses.
         let begun = self.on_disk(move |shelf| {
             let name = shelf.free_name(&wanted);
             match shelf.begin(&name, &described) {
@@ -225,15 +224,14 @@ impl Task {
         tracing::warn!(batches, "the recorder was too slow: batches are lost");
         let running = self.running.iter_mut();
         running.for_each(|one| one.about.batches_lost += batches);
-        // The end of a move may have been among them.
+        // The end of a move may have been among the lost batches.
         let snapshot = self.handle.snapshot();
         for result in &snapshot.moves {
             self.ended(result, snapshot.time_s);
         }
     }
 
-    /// Puts a recording onto the shelf, and tells everybody whether it is there: under which name, or
-    /// why not.
+    /// Stores a recording on the shelf, and reports its name there, or the error.
     async fn put(&mut self, mut running: Running) -> Result<String, String> {
         let snapshot = self.handle.snapshot();
         let joint = snapshot
@@ -244,7 +242,7 @@ impl Task {
         running.about.payload_kg = snapshot.payload_kg;
         running.about.duration_s = running.log.duration();
         let epoch = self.epoch();
-        // Before the file is made anew.
+        // Before the file is written again.
         running.journal = None;
         let Running {
             id,
@@ -286,13 +284,13 @@ impl Task {
         }
     }
 
-    /// Asks a disk that has refused something whether there is room again. Then what is left unfinished
-    /// is put onto the shelf as far as it came.
+    /// Checks a disk that has refused a write for room. If there is room, unfinished recordings are stored on
+    /// the shelf as far as they were written.
     async fn look_for_room(&mut self, now: f64) {
         let disk = self.shelf.disk();
         if disk.is_failing(DiskPart::Recordings) && now - self.asked >= AGAIN {
             self.asked = now;
-            // What it says, the disk remembers.
+            // The disk keeps the result.
             let _ = self.on_disk(|shelf| shelf.told(shelf.probe())).await;
         }
         if !self.unfinished || self.shelf.disk().is_failing(DiskPart::Recordings) {
@@ -333,7 +331,7 @@ impl Task {
         }
     }
 
-    /// Does what waits for the disk on a thread that may wait. What goes wrong is no reason to stop.
+    /// Runs disk work on a thread that may block. An error is no reason to stop.
     async fn on_disk<T: Send + 'static>(
         &self,
         work: impl FnOnce(&Shelf) -> Result<T, ShelfError> + Send + 'static,

@@ -1,18 +1,18 @@
-//! How far a motor side is from its command, beyond what the time explains that it takes to follow.
+//! Distance of a motor side from its command, beyond its normal lag.
 
 use crate::service::contract::Measured;
 use crate::service::following::FOLLOWED;
 use crate::service::link::ClockOffset;
 
-/// Commands are remembered for so long, s; a measurement that is older is not judged.
+/// Time for which commands are remembered, s; an older measurement is not judged.
 const REMEMBERED: f64 = 1.0;
 
 /// Compares a motor side with its commands. No allocation.
 ///
-/// The error is the distance of a reading from the interval of all commands from [`FOLLOWED`] before the instant of
-/// the reading until now. A joint that only lags has none, at whatever speed; one that is held or pushed has what it
-/// was held or pushed by. The instant is that of the reading's stamp, by the readings of least delay, so that one
-/// that comes late is held against what was commanded then.
+/// The error is the distance of a reading from the interval of all commands between [`FOLLOWED`] before the
+/// reading's instant and now. A joint that only lags has no error at any speed. A joint that is held or pushed
+/// has the displacement as its error. The instant comes from the reading's stamp, by the readings of least
+/// delay, so that a late one is compared with the commands of its time.
 #[derive(Clone, Debug)]
 pub struct Following {
     limit: f64,
@@ -24,7 +24,7 @@ pub struct Following {
 }
 
 impl Following {
-    /// A joint that may be off by `limit` (rad), commanded every `period` (s).
+    /// A joint with an allowed error of `limit` (rad), commanded every `period` (s).
     pub fn new(limit: f64, period: f64) -> Self {
         let commands = (REMEMBERED / period).ceil().max(1.0) as usize;
         Self {
@@ -36,19 +36,19 @@ impl Following {
         }
     }
 
-    /// Forgets what was commanded, as where the joint is commanded anew.
+    /// Discards the commands, for example when the joint is commanded again.
     pub fn restart(&mut self) {
         self.offset.restart();
         self.commands.fill((f64::NEG_INFINITY, 0.0));
         self.error = 0.0;
     }
 
-    /// Forgets the last error, until the next reading.
+    /// Discards the last error, until the next reading.
     pub fn forgive(&mut self) {
         self.error = 0.0;
     }
 
-    /// Takes a command (rad) and when it was given (s).
+    /// Adds a command (rad) with its time (s).
     pub fn command(&mut self, time: f64, position: f64) {
         self.commands[self.next] = (time, position);
         self.next = (self.next + 1) % self.commands.len();
@@ -61,7 +61,7 @@ impl Following {
         let at = measured.stamp - offset;
         let late = measured.received - at;
         if late > REMEMBERED - FOLLOWED {
-            // A clock that was set back, or a reading that says nothing of now.
+            // The clock was set back, or the reading is outdated.
             self.offset.restart();
             return;
         }
@@ -91,7 +91,7 @@ impl Following {
         self.error
     }
 
-    /// The error, rad, where it is beyond the limit.
+    /// The error, rad, if it exceeds the limit.
     pub fn excess(&self) -> Option<f64> {
         (self.error > self.limit).then_some(self.error)
     }

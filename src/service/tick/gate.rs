@@ -1,33 +1,34 @@
-//! Whether moves may begin. Closed at the start, opened by the engine for a person, closed by the tick itself with
-//! the first fault: in the tick in which it is seen, whatever the engine is doing.
+//! The gate for moves. It is closed at the start, opened by the engine on a request, and closed by the tick
+//! itself at the first fault: in the same tick, independently of the engine.
 
 use crate::service::guard::Fault;
 
-/// Why the gate was closed by the tick.
+/// Why the tick closed the gate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cause {
-    /// The motor side of one joint has not been heard for longer than the watchdog allows, while others are.
+    /// The motor side of one joint has been silent for longer than the watchdog allows, while others are
+    /// measured.
     Silent,
-    /// Nothing of the robot has been heard for as long.
+    /// The whole robot has been silent for as long.
     LinkLost,
-    /// The motor side is so far (rad) from all that was commanded in the time in which it follows.
+    /// Following error of the motor side beyond its lag, rad.
     Following(f64),
-    /// The sensor of the motor side says what cannot be.
+    /// The sensor of the motor side gives impossible values.
     Sensor(Fault),
-    /// Nothing was sent to a joint in motion for so long, s.
+    /// Nothing was sent to a moving joint for this time, s.
     Overrun(f64),
 }
 
 /// A fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trip {
-    /// The joint; none where it is that of all.
+    /// The joint; `None` where it concerns all.
     pub joint: Option<usize>,
     /// Why.
     pub cause: Cause,
 }
 
-/// What becomes of a plan at the gate.
+/// The decision of the gate on a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Admission {
     /// It may begin.
@@ -40,22 +41,22 @@ pub enum Admission {
 
 /// Whether moves may begin, and under which permit.
 ///
-/// A plan carries the permit under which it was asked for and begins under no other: what was asked for before a
-/// fault does not begin after it, however long it was under way. A permit that was given without knowledge of the
-/// last fault opens nothing.
+/// A plan carries the permit of its request and begins under no other: a request from before a fault does not
+/// begin after it, however long it took. A permit that was given without knowledge of the last fault does not
+/// open the gate.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gate {
     permit: Option<u64>,
-    /// Whether moves wait until the tick knows all that was ordered.
+    /// Whether moves wait until the tick has all orders.
     held: bool,
-    /// Faults so far.
+    /// Number of faults so far.
     trips: u64,
-    /// A fault that the engine was not told for want of room.
+    /// A fault that could not be reported to the engine for lack of room.
     untold: Option<Trip>,
 }
 
 impl Gate {
-    /// Opens for a permit that was given when so many faults were known. Whether it did.
+    /// Opens for a permit that was given when `trips` faults were known; returns whether it did.
     pub fn open(&mut self, permit: u64, trips: u64) -> bool {
         if trips == self.trips {
             self.permit = Some(permit);
@@ -63,12 +64,12 @@ impl Gate {
         self.is_open()
     }
 
-    /// Closes, as a person wants it.
+    /// Closes on request.
     pub fn close(&mut self) {
         self.permit = None;
     }
 
-    /// Closes for a fault. One that finds the gate closed has nothing to close, and is none.
+    /// Closes for a fault. If the gate is closed already, it does not count as a fault.
     pub fn trip(&mut self, trip: Trip) {
         if self.permit.take().is_some() {
             self.trips += 1;
@@ -81,12 +82,12 @@ impl Gate {
         self.permit.is_some()
     }
 
-    /// Lets moves wait, or no longer.
+    /// Lets moves wait, or ends the wait.
     pub fn hold(&mut self, held: bool) {
         self.held = held;
     }
 
-    /// What becomes of a plan of this permit now; one without needs none.
+    /// The decision on a plan with this permit; a plan without one needs none.
     pub fn admits(&self, permit: Option<u64>) -> Admission {
         match permit {
             None => Admission::Begins,
@@ -96,7 +97,7 @@ impl Gate {
         }
     }
 
-    /// The fault to be told; once.
+    /// The fault to be reported, once.
     pub fn take_untold(&mut self) -> Option<Trip> {
         self.untold.take()
     }

@@ -1,36 +1,38 @@
-//! Whether a joint is heard, and where one stands that was not. Whether it may move is the [gate](super::gate)'s.
+//! Whether a joint's measurements arrive, and its position after a silence. Whether it may move is decided by
+//! the [gate](super::gate).
 
 use crate::service::contract::{Measured, Quantity};
 use crate::service::following::MOVED;
 
-/// The watchdog of a joint that is not heard.
+/// The watchdog for a joint's measurements.
 #[derive(Clone, Copy, Debug)]
 pub struct Watchdog {
-    /// Silence after which a joint counts as not heard, s.
+    /// Silence after which a joint counts as lost, s.
     pub timeout: f64,
-    /// Whether that is a fault. Otherwise only the adaptation waits.
+    /// Whether that is a fault. Otherwise only the adaptation pauses.
     pub stops: bool,
 }
 
-/// A change of what is heard of a joint.
+/// A change of a joint's reception.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
-    /// The joint is not heard any more.
+    /// The joint has fallen silent.
     Lost,
-    /// It says again where its motor side stands, rad.
+    /// It reports its motor side again, at this position, rad.
     Back(f64),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum State {
     Heard,
-    /// Not heard; with the motor side's position, once there is one again.
+    /// Silent; with the motor side's position, once it is measured again.
     Lost(Option<f64>),
-    /// Heard again, the motor side at this position; the engine has not yet seen whether it was moved.
+    /// Measured again, with the motor side at this position; the engine has not checked yet whether it was
+    /// moved.
     Back(f64),
 }
 
-/// Whether a joint is heard.
+/// Reception of a joint's measurements.
 #[derive(Clone, Copy, Debug)]
 pub struct Hearing {
     watchdog: Watchdog,
@@ -39,7 +41,7 @@ pub struct Hearing {
 }
 
 impl Hearing {
-    /// Of a joint that was never heard.
+    /// A joint that was never measured.
     pub fn new(watchdog: Watchdog) -> Self {
         Self {
             watchdog,
@@ -48,18 +50,18 @@ impl Hearing {
         }
     }
 
-    /// The joint is commanded from `now` (s) on, from where it stands.
+    /// Begins commanding from `now` (s) on, from the present position.
     pub fn begin(&mut self, now: f64) {
         self.last = self.last.max(now);
         self.state = State::Heard;
     }
 
-    /// Takes a measurement of the joint, marked where it is refused.
+    /// Takes a measurement of the joint, marked if it is refused.
     pub fn take(&mut self, measured: &Measured) {
         if measured.quantity != Quantity::MotorPosition {
             return;
         }
-        // Without the motor side nobody knows what a joint does, whatever else of it is heard.
+        // Only the motor side counts: without it the joint's motion is unknown, whatever else is measured.
         self.last = measured.received;
         if measured.refused {
             return;
@@ -71,7 +73,7 @@ impl Hearing {
         }
     }
 
-    /// Looks at the clock (s); says what has changed, once.
+    /// Checks the time (s); returns a change, once.
     pub fn look(&mut self, now: f64) -> Option<Change> {
         let silent = self.is_silent(now) && self.watchdog.stops;
         match self.state {
@@ -87,7 +89,7 @@ impl Hearing {
         }
     }
 
-    /// The engine has seen that the joint stands where it was left, unless it was lost meanwhile.
+    /// Notes that the joint stands where it was left, unless it was lost in the meantime.
     pub fn resume(&mut self) {
         if let State::Back(_) = self.state {
             self.state = State::Heard;
@@ -104,18 +106,17 @@ impl Hearing {
         now - self.last
     }
 
-    /// Whether nothing was heard for longer than the watchdog allows, at `now` (s).
+    /// Whether the motor side has been silent for longer than the watchdog allows, at `now` (s).
     pub fn is_silent(&self, now: f64) -> bool {
         self.silence(now) > self.watchdog.timeout
     }
 
-    /// Whether it is heard, and stands where it was left.
+    /// Whether it is measured, and stands where it was left.
     pub fn is_heard(&self) -> bool {
         self.state == State::Heard
     }
 
-    /// Whether the joint has been moved by something else while it was not heard. `command` (rad) is
-    /// where it was left.
+    /// Whether the joint was moved by something else during the silence. `command` (rad) is where it was left.
     pub fn is_displaced(&self, command: f64) -> bool {
         match self.state {
             State::Lost(Some(position)) | State::Back(position) => {

@@ -1,4 +1,4 @@
-//! One joint at the tick: what it is told, what it measures, what it commands.
+//! One joint at the tick: its orders, its measurements, its commands.
 
 use quell_shapers::{Refusal, RetuneOutcome, Setpoint};
 use quell_trajectories::Limits;
@@ -20,7 +20,7 @@ use crate::service::guard::{Bounds, CommandedMotion, Guard};
 use crate::service::link::INBOX;
 use crate::signal::{DeformationSensor, Measurement};
 
-/// A joint as the tick holds it. It has a controller of its own, so that joints begin and end apart.
+/// A joint at the tick. It has a controller of its own, so that joints begin and end independently.
 pub struct JointTick {
     index: usize,
     controller: Option<Box<Controller>>,
@@ -28,7 +28,7 @@ pub struct JointTick {
     limits: Limits,
     inbox: Vec<Measurement>,
     waiting: Option<Box<Plan>>,
-    /// Whether the plan that waits may begin without waiting for those of other joints.
+    /// Whether the waiting plan may begin without those of other joints.
     released: bool,
     /// The order to retune that waits for its tick.
     retuning: Option<Box<RetuneOrder>>,
@@ -37,10 +37,10 @@ pub struct JointTick {
     sent: Setpoint,
     motion: CommandedMotion,
     adaptive: bool,
-    /// Whether the frame of the sensor of the tip is known: until then it says nothing.
+    /// Whether the frame of the tip's sensor is known; until then the sensor is ignored.
     registered: bool,
     frozen: bool,
-    /// Whether there is nothing to be heard but noise.
+    /// Whether only noise is measured.
     quiet: bool,
     hearing: Hearing,
     following: Following,
@@ -48,15 +48,14 @@ pub struct JointTick {
     /// Number of the plan that runs or ran last.
     ticket: u64,
     runs: bool,
-    /// Since when the command stands still, s; not at all before the first move.
+    /// Time since which the command stands still, s; `None` before the first move.
     settled: Option<f64>,
-    /// The last estimate while there was something to learn.
+    /// The last estimate while there was motion.
     learned: Option<Estimate>,
 }
 
 impl JointTick {
-    /// A joint that is not commanded yet. `registered` says whether the frame of the sensor of the tip
-    /// is known.
+    /// A joint that is not commanded yet. `registered` tells whether the frame of the tip's sensor is known.
     pub fn new(
         index: usize,
         bounds: Bounds,
@@ -90,14 +89,14 @@ impl JointTick {
         }
     }
 
-    /// The joint, at fault where its motor side is further from its commands, one every `period` (s), than
-    /// `limit` (rad). Without this it may be anywhere.
+    /// The joint with a limit (rad) of its following error, for commands every `period` (s). Without it the
+    /// error is not checked.
     pub fn following_within(mut self, limit: f64, period: f64) -> Self {
         self.following = Following::new(limit, period);
         self
     }
 
-    /// From `now` (s) on the joint is commanded; gives the controller before back.
+    /// Commands the joint from `now` (s) on; returns the controller before.
     pub fn begin(&mut self, controller: Box<Controller>, now: f64) -> Option<Box<Controller>> {
         self.hearing.begin(now);
         self.settled = Some(f64::NEG_INFINITY);
@@ -109,28 +108,28 @@ impl JointTick {
         self.controller.replace(controller)
     }
 
-    /// From now on the joint is not commanded.
+    /// Stops commanding the joint.
     pub fn cease(&mut self) -> Option<Box<Controller>> {
         self.controller.take()
     }
 
-    /// Whether the train follows the estimate from now on.
+    /// Sets whether the train follows the estimate.
     pub fn set_adaptive(&mut self, adaptive: bool) {
         self.adaptive = adaptive;
     }
 
-    /// Takes a sensor that is registered; gives the one before back.
+    /// Installs a registered sensor; returns the one before.
     pub fn take_sensor(&mut self, mut sensor: Box<DeformationSensor>) -> Option<Event> {
         self.registered = true;
         if let Some(controller) = self.controller.as_deref_mut() {
             // Plain numbers: a copy does not allocate.
             *sensor = controller.replace_sensor((*sensor).clone());
         }
-        // The next controller is made with it; here it must not be dropped.
+        // The next controller uses it; it must not be dropped here.
         Some(Event::Sensor(sensor))
     }
 
-    /// Takes a plan that waits for its time; gives one that it replaces back.
+    /// Takes a plan that waits for its time; returns one that it replaces.
     pub fn expect(&mut self, plan: Box<Plan>) -> Option<Event> {
         self.released = plan.together.is_none();
         let replaced = self.waiting.replace(plan)?;
@@ -146,7 +145,8 @@ impl JointTick {
         Event::Train(order, taken)
     }
 
-    /// Lends a copy of the filter for an order to retune the plan that runs, `tick` being the next; with the copy, it waits for its tick.
+    /// Lends a copy of the filter for a retune of the running plan; `tick` is the next one. An order that has
+    /// its copy waits for its tick.
     pub fn retune(&mut self, mut order: Box<RetuneOrder>, tick: u64) -> Option<Event> {
         if order.lent.is_some() {
             let replaced = self.retuning.replace(order)?;
@@ -163,12 +163,12 @@ impl JointTick {
         Some(Event::Lent(order))
     }
 
-    /// Whether the train is followed, in the plan of an order to retune.
+    /// Whether the plan of a retune order is running, with a train that may change.
     fn follows(&self, order: &RetuneOrder) -> bool {
         self.adaptive && !self.frozen && self.runs && self.ticket == order.ticket
     }
 
-    /// Retunes, once the command is where the order's copy of the filter was left.
+    /// Retunes once the command has reached the end of the order's copy of the filter.
     pub fn take_retune(&mut self) -> Option<Event> {
         let controller = self.controller.as_deref_mut()?;
         let due = |order: &mut Box<RetuneOrder>| {
@@ -188,7 +188,7 @@ impl JointTick {
         Some(Event::Retuned(order, outcome))
     }
 
-    /// Takes a measurement; marks it where it is refused.
+    /// Takes a measurement; marks it if it is refused.
     pub fn measure(&mut self, measured: &mut Measured) {
         measured.refused = !self.guard.admits(measured, self.motion);
         self.hearing.take(measured);
@@ -207,13 +207,13 @@ impl JointTick {
         }
     }
 
-    /// Gives a plan that waits for its time back, if it is the one of this number.
+    /// Returns a plan that waits for its time, if it has this number.
     pub fn withdraw(&mut self, ticket: u64) -> Option<Event> {
         let plan = self.waiting.take_if(|plan| plan.ticket == ticket)?;
         Some(Event::NotTaken(plan, NotTaken::Withdrawn))
     }
 
-    /// Looks whether the joint is still heard, or heard again; says so once.
+    /// Checks for a change of the joint's reception; reports it once.
     pub fn look(&mut self, now: f64) -> Option<Event> {
         self.controller.as_ref()?;
         Some(match self.hearing.look(now)? {
@@ -222,12 +222,12 @@ impl JointTick {
         })
     }
 
-    /// It stands where it was left when it was not heard any more.
+    /// Notes that it stands where it was left before the silence.
     pub fn resume(&mut self) {
         self.hearing.resume();
     }
 
-    /// The fault for which no move may begin, but for silence, which [`look`](Self::look) tells.
+    /// The fault that forbids moves, except silence, which [`look`](Self::look) reports.
     pub fn fault(&self) -> Option<Cause> {
         self.controller.as_ref()?;
         let sensor = self.guard.report().fault_of(Quantity::MotorPosition);
@@ -235,29 +235,29 @@ impl JointTick {
         sensor.map(Cause::Sensor).or_else(following)
     }
 
-    /// Forgets what its sensors have said.
+    /// Discards the readings of its sensors.
     pub fn forget(&mut self) {
         self.guard.restart();
         self.following.forgive();
     }
 
-    /// Whether it is commanded, heard, and stands where it was left.
+    /// Whether it is commanded, measured, and stands where it was left.
     pub fn is_ready(&self) -> bool {
         self.controller.is_some() && self.hearing.is_heard()
     }
 
-    /// Time since it was heard, s, and the longest that may be.
+    /// Time since the last measurement, s, and its largest allowed value.
     pub fn silence(&self, now: f64) -> [f64; 2] {
         [self.hearing.silence(now), self.hearing.timeout()]
     }
 
-    /// The plans that the one that waits begins with, while it waits for them.
+    /// The plans with which the waiting one is to begin, while it waits for them.
     pub fn together(&self) -> Option<Together> {
         let waits = self.waiting.as_ref().filter(|_| !self.released);
         waits.and_then(|plan| plan.together)
     }
 
-    /// Whether the plan that waits is one of these, and could begin with this tick.
+    /// Whether the waiting plan is one of these, and could begin with this tick.
     pub fn is_ready_with(&mut self, together: Together, tick: u64, gate: &Gate) -> bool {
         let waits = self.waiting.as_ref();
         let Some(plan) = waits.filter(|plan| plan.together == Some(together)) else {
@@ -267,17 +267,18 @@ impl JointTick {
         let Some(controller) = self.controller.as_deref_mut().filter(|_| admitted) else {
             return false;
         };
-        // A correction under way may refuse a plan in motion when it is loaded: too late for the others.
+        // A correction under way may refuse a plan in motion when it is loaded, which would be too late for the
+        // others.
         let corrects = matches!(plan.start, Start::Tick(_)) && controller.is_correcting();
         !corrects && ready(plan, controller, tick) == Ok(true)
     }
 
-    /// Lets the plan that waits begin, if it is one of these.
+    /// Lets the waiting plan begin, if it is one of these.
     pub fn release(&mut self, together: Together) {
         self.released |= self.together() == Some(together);
     }
 
-    /// Begins the plan that waits, if its time has come and the gate is open for it.
+    /// Begins the waiting plan, if its time has come and the gate is open for it.
     pub fn take_plan(&mut self, tick: u64, time: f64, gate: &Gate) -> Option<Event> {
         let mut plan = self.waiting.take()?;
         let Some(controller) = self.controller.as_deref_mut() else {
@@ -328,7 +329,7 @@ impl JointTick {
         self.controller.as_ref().is_some_and(|c| !c.is_settled())
     }
 
-    /// Hands on what was measured since the last tick.
+    /// Hands the new measurements to the controller.
     pub fn listen(&mut self, now: f64) {
         let silent = self.hearing.is_silent(now);
         let Some(controller) = self.controller.as_deref_mut() else {
@@ -336,7 +337,7 @@ impl JointTick {
         };
         let frozen = silent || self.guard.report().is_at_fault();
         if frozen && !self.frozen {
-            // What came before belongs to a fault, or to another stretch of time.
+            // Earlier samples belong to a fault, or to another stretch of time.
             controller.restart_estimation();
         }
         self.frozen = frozen;
@@ -346,13 +347,13 @@ impl JointTick {
         self.inbox.clear();
     }
 
-    /// The samples of its deformation since they were handed on.
+    /// The samples of its deformation since they were last handed on.
     pub fn heard(&self) -> &[Sample] {
         let controller = self.controller.as_deref();
         controller.map_or(&[], |controller| controller.axis().heard())
     }
 
-    /// They were handed on.
+    /// Clears the samples after they were handed on.
     pub fn clear_heard(&mut self) {
         if let Some(controller) = self.controller.as_deref_mut() {
             controller.clear_samples();
@@ -364,7 +365,7 @@ impl JointTick {
         self.move_id
     }
 
-    /// The command goes on by one control period.
+    /// Advances the command by one control period.
     pub fn step(&mut self) {
         let Some(controller) = self.controller.as_deref_mut() else {
             return;
@@ -376,8 +377,8 @@ impl JointTick {
         self.command = [self.command[1], next];
     }
 
-    /// Whether the joint stands elsewhere than where it was left when it was not heard any more. It is
-    /// sent nothing then: a setpoint would be a jump.
+    /// Whether the joint is not where it was left before the silence. Nothing is sent to it then: a setpoint
+    /// would be a jump.
     pub fn is_displaced(&self, now: f64) -> bool {
         let rests = self.settled.is_some_and(|since| now - since > FOLLOWED);
         rests && self.hearing.is_displaced(self.sent.position)
@@ -401,7 +402,7 @@ impl JointTick {
         Some(setpoint)
     }
 
-    /// Says so, once, when the command stands still after a plan.
+    /// Reports, once, that the command stands still after a plan.
     pub fn take_settled(&mut self, time: f64) -> Option<Event> {
         let settled = self.controller.as_ref().is_some_and(|c| c.is_settled());
         if !(self.runs && settled) {
@@ -436,7 +437,7 @@ impl JointTick {
         })
     }
 
-    /// The joint now, for the state.
+    /// Report of the joint for the state.
     pub fn report(&self, now: f64) -> JointReport {
         let axis = |controller: &Controller| AxisReport {
             status: AxisStatus {
@@ -462,18 +463,18 @@ impl JointTick {
     }
 }
 
-/// Whether nothing moves and nothing rings any more, so that there is only noise to be heard.
+/// Whether nothing moves or vibrates any more, so that only noise is measured.
 fn is_quiet(controller: &Controller, settled: Option<f64>, now: f64) -> bool {
     let Some(settled) = settled else {
         return false;
     };
     let mode = controller.axis().status().shaped_for.mode;
-    // A mode without damping rings for as long as the estimator looks back, forty periods.
+    // An undamped mode is assumed to vibrate for as long as the estimator's window, forty periods.
     let rings = ringing_time(mode).min(40.0 * mode.damped_period());
     now - settled > rings
 }
 
-/// As the controller takes it; it has no use for an acceleration.
+/// The measurement for the controller, which does not use accelerations.
 fn measurement(measured: &Measured) -> Option<Measurement> {
     let (time, value) = (measured.stamp, measured.value);
     Some(match measured.quantity {

@@ -1,13 +1,13 @@
-//! Durations in buckets that grow by a constant ratio: quantiles without memory of the samples.
+//! Histogram of durations with geometric buckets: quantiles without stored samples.
 
-/// Buckets for each doubling: neighbours differ by 4.4 %.
+/// Buckets for each octave: neighbours differ by 4.4 %.
 const PER_OCTAVE: usize = 16;
-/// Doublings from [`SHORTEST`] on: up to 4.3 s.
+/// Number of octaves from [`SHORTEST`] on: up to 4.3 s.
 const OCTAVES: usize = 24;
 /// Upper edge of the first bucket, s.
 const SHORTEST: f64 = 256e-9;
 
-/// How often durations occurred.
+/// Counts of durations.
 #[derive(Clone, Debug)]
 pub struct Histogram {
     buckets: Box<[u64; PER_OCTAVE * OCTAVES]>,
@@ -35,8 +35,8 @@ impl Histogram {
         self.longest = self.longest.max(duration);
     }
 
-    /// The duration that a share (0 to 1) of all does not exceed, s, to the edge of its bucket: up to
-    /// 4.4 % too much; 0 where nothing was counted.
+    /// The duration that a share (0 to 1) of all does not exceed, s. It is the edge of its bucket, up to 4.4 %
+    /// too large; 0 without any.
     pub fn quantile(&self, share: f64) -> f64 {
         let rank = (share * self.count as f64).ceil() as u64;
         let mut seen = 0;

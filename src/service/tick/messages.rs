@@ -1,4 +1,4 @@
-//! The messages on the rings between the tick and the engine. What allocated comes back to be dropped.
+//! The messages on the rings between the tick and the engine. Allocated content is returned to be dropped.
 
 use quell_shapers::{
     GridTrain, ImpulseTrain, RetuneOutcome, Setpoint, Shaper, ShaperError, UncertainMode,
@@ -18,15 +18,15 @@ use crate::signal::DeformationSensor;
 pub enum ToTick {
     /// Begin to command a joint.
     Begin(usize, Box<Controller>),
-    /// Cease to command a joint.
+    /// Stop commanding a joint.
     Cease(usize),
     /// Take a plan.
     Plan(Box<Plan>),
-    /// Give the plan of this ticket back, if it still waits.
+    /// Return the plan of this ticket, if it still waits.
     Withdraw(usize, u64),
-    /// A joint that was not heard stands where it was left.
+    /// A joint stands where it was left before the silence.
     Resume(usize),
-    /// Moves of this permit may begin; given when so many faults were known.
+    /// Moves of this permit may begin; it was given when `trips` faults were known.
     Enable {
         /// The permit.
         permit: u64,
@@ -35,21 +35,21 @@ pub enum ToTick {
     },
     /// No move may begin.
     Disable,
-    /// What the monitors have seen so far is forgotten: somebody has seen to it.
+    /// Discard the state of the monitors after a reset.
     Forget,
     /// Take a train, once the joint rests.
     Train(Box<TrainOrder>),
-    /// Go over to another train in motion: first lend a copy of the filter, then go on with it.
+    /// Go over to another train in motion: first lend a copy of the filter, then continue with it.
     Retune(Box<RetuneOrder>),
     /// Whether the train of a joint follows the estimate.
     Adaptive(usize, bool),
     /// Take a sensor that is registered.
     Sensor(usize, Box<DeformationSensor>),
-    /// Take a payload up.
+    /// Change the payload.
     Carry(Load),
 }
 
-/// A train that a joint shall take.
+/// A train that a joint is to use.
 pub struct TrainOrder {
     /// The joint.
     pub joint: usize,
@@ -57,7 +57,7 @@ pub struct TrainOrder {
     pub train: Train,
 }
 
-/// A train that a joint shall go over to while a plan runs.
+/// A train that a joint is to use while a plan runs.
 pub struct RetuneOrder {
     /// The joint.
     pub joint: usize,
@@ -65,29 +65,29 @@ pub struct RetuneOrder {
     pub ticket: u64,
     /// The train.
     pub train: Train,
-    /// The modes on that way, 1 to 3, as well as they are known.
+    /// The modes on that way, 1 to 3, with their uncertainties.
     pub modes: Vec<UncertainMode>,
     /// The copy of the filter, in which the engine searches for the correction.
     pub lent: Option<Box<Lent>>,
-    /// Number of the tick that came next when it was lent.
+    /// Number of the next tick when it was lent.
     pub tick: u64,
 }
 
-/// A plan and when it begins. Once it is taken it carries the one before it back.
+/// A plan with its start. Once it is taken, it carries the plan before it back.
 pub struct Plan {
     /// The joint.
     pub joint: usize,
     /// Number of the move.
     pub id: u64,
-    /// Number of this very plan: events say by it what they are about.
+    /// Number of this plan, to which events refer.
     pub ticket: u64,
     /// The plan at the control period.
     pub samples: Option<SampledTrajectory>,
-    /// When it begins.
+    /// Time of its start.
     pub start: Start,
-    /// The plans that it begins with, at rest; none where it begins alone.
+    /// The plans with which it begins, at rest; `None` if it begins alone.
     pub together: Option<Together>,
-    /// The permit under which it was asked for; none for one that brings the joint to rest, which needs none.
+    /// The permit of its request; `None` for a plan that brings the joint to rest.
     pub permit: Option<u64>,
 }
 
@@ -96,30 +96,30 @@ pub struct Plan {
 pub struct Together {
     /// Number of their common move.
     pub id: u64,
-    /// How many they are.
+    /// Number of plans.
     pub size: usize,
 }
 
-/// When a plan begins.
+/// Start of a plan.
 pub enum Start {
     /// As soon as the joint rests, with this train in force.
     Rest(Box<Train>),
-    /// In motion, with exactly this tick.
+    /// In motion, exactly at this tick.
     Tick(u64),
 }
 
-/// A train and what it is for.
+/// A train with its origin.
 #[derive(Clone)]
 pub struct Train {
     /// The rule that designed it.
     pub shaper: Option<&'static dyn Shaper>,
-    /// The mode that it is for, as well as it is known.
+    /// The mode of its design, with its uncertainty.
     pub known: UncertainMode,
     /// The train.
     pub train: GridTrain,
-    /// Changes of the train by an estimate when it was designed: with more by now it is out of date.
+    /// Number of changes of the train by an estimate at its design; if there are more by now, it is outdated.
     pub retunes: u32,
-    /// Why it is not to be followed in motion, if it is not.
+    /// Why it is not to be adapted in motion, if so.
     pub hold: Option<Hold>,
 }
 
@@ -128,7 +128,7 @@ pub struct Train {
 pub enum NotTaken {
     /// The joint is not commanded.
     Idle,
-    /// The tick with which it should have begun was over.
+    /// Its starting tick was over.
     Late,
     /// An estimate has changed the train since.
     Outdated,
@@ -140,7 +140,7 @@ pub enum NotTaken {
     Replaced,
     /// The engine took it back before it could begin.
     Withdrawn,
-    /// It leads somewhere, and its permit is over.
+    /// It is a move, and its permit is no longer valid.
     NotEnabled,
 }
 
@@ -155,23 +155,23 @@ pub enum Record {
     Heard(usize, u64, Sample),
 }
 
-/// Tick to engine: what happened.
+/// Tick to engine: events.
 pub enum Event {
-    /// A plan was taken. What it carries now is the plan before it.
+    /// A plan was taken. It now contains the plan before it.
     Taken(Taken),
-    /// A plan was not taken, and why; nothing has changed.
+    /// A plan was not taken, for this reason; nothing has changed.
     NotTaken(Box<Plan>, NotTaken),
     /// The command of a joint stands still after the move of this number, since this time (s).
     Settled(usize, u64, f64),
     /// The tick has closed the gate: no move begins until the engine opens it again.
     Tripped(Trip),
-    /// A joint that is commanded is not heard any more.
+    /// A commanded joint has fallen silent.
     Lost(usize),
-    /// A joint that was lost says again where its motor side stands, rad.
+    /// A lost joint reports its motor side again, at this position, rad.
     Back(usize, f64),
-    /// The copy of a filter for an order to retune; without one the order is over.
+    /// The copy of a filter for a retune; without one the order is over.
     Lent(Box<RetuneOrder>),
-    /// A plan in motion was retuned, or not; nothing has changed then.
+    /// The outcome of a retune in motion; on a refusal nothing has changed.
     Retuned(Box<RetuneOrder>, RetuneOutcome),
     /// A train was taken, or was out of date.
     Train(Box<TrainOrder>, Result<(), NotTaken>),
@@ -183,11 +183,11 @@ pub enum Event {
 
 /// A plan that was taken.
 pub struct Taken {
-    /// The plan, and in it the one before.
+    /// The plan, which contains the one before.
     pub plan: Box<Plan>,
     /// Tick with which it began.
     pub tick: u64,
-    /// Its sample that was sent with this tick.
+    /// The sample of it that was sent with this tick.
     pub first: usize,
     /// Time of this tick, s.
     pub time: f64,
@@ -215,16 +215,16 @@ pub struct JointReport {
     pub axis: Option<AxisReport>,
     /// The watchdog.
     pub watchdog: WatchdogState,
-    /// The findings of the sensors' guard.
+    /// State of the sensors' guard.
     pub guard: GuardReport,
-    /// Distance of the motor side from what was commanded in the time in which it follows, rad.
+    /// Following error of the motor side beyond its lag, rad.
     pub following_error: f64,
 }
 
 /// Command and belief of a joint.
 #[derive(Clone)]
 pub struct AxisReport {
-    /// The state of the axis: its belief, its train, its counts.
+    /// The state of the axis: estimate, train, counts.
     pub status: AxisStatus,
     /// The train in force.
     pub train: ImpulseTrain,

@@ -1,10 +1,10 @@
-//! The tick: a thread of its own that measures, controls and commands, and never waits for anyone.
+//! The tick: a thread of its own that measures, controls and commands, and never blocks.
 //!
-//! No allocation, lock, file or log from the first tick on. What allocates is made by the engine,
-//! comes over a ring, and goes back over another to be dropped.
+//! No allocation, lock, file or log from the first tick on. The engine allocates, passes objects over a ring,
+//! and gets them back over another ring to drop them.
 //!
-//! A tick that is missed is counted, and nothing is sent for it. What becomes of the command's own time
-//! is said in [`pace`]: the limits hold over the time that has really gone by between any two setpoints.
+//! A missed tick is counted, and nothing is sent for it. [`pace`] describes how the command handles the missed
+//! time: the limits hold for the real time between any two setpoints.
 
 mod following;
 pub mod gate;
@@ -39,13 +39,13 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use super::contract::{Measured, TickStatistics};
 use super::link::{INBOX, RobotLink};
 
-/// Orders and events of a joint that may wait; it has at most a few of either.
+/// Most waiting orders and events of a joint; it has at most a few of either.
 const ORDERS: usize = 64;
-/// Seconds of records that may wait for the engine.
+/// Duration of records that may wait for the engine, s.
 const RECORDED: f64 = 2.0;
-/// Records a tick and joint that the ring of records is made for: a row, three sensors, and a deformation.
+/// Records for each tick and joint that the ring has room for: a row, three sensors, and a deformation.
 const RECORDS: f64 = 5.0;
-/// Rounds of reports that may wait.
+/// Most waiting rounds of reports.
 const ROUNDS: usize = 8;
 
 /// The engine's end of the tick.
@@ -56,9 +56,9 @@ pub struct EngineRings {
     pub events: Consumer<Event>,
     /// Commands and measurements.
     pub records: Consumer<Record>,
-    /// The joints, now and then.
+    /// Reports of the joints.
     pub joints: Consumer<JointReport>,
-    /// Tick and link, after the joints of the same round.
+    /// Report of tick and link, after the joints of the same round.
     pub whole: Consumer<WholeReport>,
 }
 
@@ -70,7 +70,7 @@ struct TickRings {
     whole: Producer<WholeReport>,
 }
 
-/// Everything that a tick does, without its clock.
+/// The work of a tick, without its clock.
 pub struct Tick {
     joints: Vec<JointTick>,
     link: Box<dyn RobotLink>,
@@ -81,7 +81,7 @@ pub struct Tick {
     period: f64,
     /// Ticks run.
     ticks: u64,
-    /// Control periods of the command: plans begin by their number.
+    /// Number of control periods of the command; the starts of plans refer to it.
     count: u64,
     records_lost: u64,
 }
@@ -133,7 +133,7 @@ impl Tick {
         self.period
     }
 
-    /// The tick that was due at `now` (s on the service's clock), after so many that were `missed`.
+    /// Runs the tick that was due at `now` (s on the service's clock), after a number of `missed` ones.
     pub fn run(&mut self, now: f64, missed: u64) {
         self.take_orders(now);
         self.measure(now);
@@ -156,7 +156,7 @@ impl Tick {
         self.ticks += 1;
     }
 
-    /// Publishes the state; where nobody has taken the last ones there is no room, and no loss.
+    /// Publishes the state; if the last reports were not taken, there is no room, and nothing is lost.
     pub fn report(&mut self, now: f64, mut statistics: TickStatistics) {
         statistics.ticks = self.ticks;
         statistics.records_lost = self.records_lost;
@@ -164,7 +164,7 @@ impl Tick {
             return;
         }
         for joint in &self.joints {
-            // There is room: it was looked at above.
+            // There is room: it was checked above.
             let _ = self.rings.joints.push(joint.report(now));
         }
         let _ = self.rings.whole.push(WholeReport {
@@ -202,7 +202,7 @@ impl Tick {
             }
             ToTick::Enable { permit, trips } => {
                 let opened = self.gate.open(permit, trips);
-                // What the engine does not know of yet closes it again.
+                // A fault that the engine does not know yet closes it again.
                 let unready = self.joints.iter().position(|joint| !joint.is_ready());
                 if let Some(joint) = unready.filter(|_| opened) {
                     self.gate.trip(self.silent(joint, now));
@@ -246,8 +246,8 @@ impl Tick {
         }
     }
 
-    /// Looks whether a joint is heard: where nothing that came waits to be taken, as after a long time
-    /// without a tick, and where there is room left to answer orders as well.
+    /// Checks the reception of a joint. Only if all received data were taken, as they are not after a long
+    /// pause, and if there is room for answers to orders, too.
     fn look(&mut self, index: usize, now: f64) {
         let is_behind = self.inbox.len() == self.inbox.capacity();
         let has_room = self.rings.events.slots() > ORDERS * self.joints.len();
@@ -262,8 +262,8 @@ impl Tick {
         }
     }
 
-    /// The fault of a joint that is not heard. Where another one was heard in the last half of the time that this may
-    /// take, it is not the link's.
+    /// The fault of a silent joint. If another joint was measured in the last half of the timeout, the link is
+    /// not at fault.
     fn silent(&self, index: usize, now: f64) -> Trip {
         let heard = |joint: &JointTick| {
             let [silence, timeout] = joint.silence(now);
@@ -281,10 +281,10 @@ impl Tick {
         }
     }
 
-    /// Closes the gate for what was measured, and for ticks that were missed.
+    /// Closes the gate for measurements, and for missed ticks.
     ///
-    /// A robot that was sent nothing for as long as it may itself be silent has stood, and whoever is beside it takes
-    /// it for at rest: it does not go on by itself. Below that the [`pace`] bridges.
+    /// A robot that got no setpoint for as long as the watchdog's timeout has stood still, and people nearby
+    /// take it for at rest: it must not continue by itself. Shorter gaps are bridged by the [`pace`].
     fn watch(&mut self, missed: u64, moves: bool) {
         for (index, joint) in self.joints.iter().enumerate() {
             if let Some(cause) = joint.fault() {
@@ -302,7 +302,7 @@ impl Tick {
         }
     }
 
-    /// Lets the plans of several joints begin with this tick, where each of them can.
+    /// Lets the plans of several joints begin with this tick, if each of them can.
     fn release(&mut self) {
         for index in 0..self.joints.len() {
             let Some(together) = self.joints[index].together() else {
@@ -320,7 +320,7 @@ impl Tick {
         }
     }
 
-    /// Tells the engine of a fault, once there is room.
+    /// Reports a fault to the engine, once there is room.
     fn tell_trip(&mut self) {
         if self.rings.events.slots() > ORDERS
             && let Some(trip) = self.gate.take_untold()
@@ -329,7 +329,7 @@ impl Tick {
         }
     }
 
-    /// Takes a joint's command through the periods of a stride.
+    /// Advances a joint's command by the periods of a stride.
     fn advance(&mut self, index: usize, now: f64, stride: &Stride) {
         for period in 1..=stride.periods {
             let left = stride.periods - period;
@@ -343,11 +343,11 @@ impl Tick {
             }
             self.joints[index].step();
             if left > 0 && stride.behind == 0.0 {
-                // Where the command was at a tick that was missed.
+                // Position of the command at a missed tick.
                 let _ = self.joints[index].setpoint(stride, self.period, time);
                 self.record_row(index, time);
             }
-            // In a slow start the setpoint is still on its way to where the command stands.
+            // In a slow start the setpoint is still on its way to the command.
             if stride.behind == 0.0
                 && let Some(event) = self.joints[index].take_settled(time)
             {
@@ -366,7 +366,7 @@ impl Tick {
         self.record_row(index, now);
     }
 
-    /// Hands the samples of a joint on to who learns.
+    /// Hands the samples of a joint on for learning.
     fn hand_on(&mut self, index: usize) {
         for k in 0..self.joints[index].heard().len() {
             let joint = &self.joints[index];
@@ -388,8 +388,8 @@ impl Tick {
         }
     }
 
-    /// Tells the engine. Where it has not listened for so long that there is no room it is gone, and
-    /// what the event carries is dropped here.
+    /// Sends an event to the engine. If there is no room after so long, the engine has ended, and the content
+    /// is dropped here.
     fn tell(&mut self, event: Event) {
         let _ = self.rings.events.push(event);
     }

@@ -1,7 +1,7 @@
-//! The orders to the tick: in the order in which they are given, and none is lost.
+//! The orders to the tick: in their order, without loss.
 //!
-//! They travel over a ring. What finds it full waits at the engine's end, and the tick is told that it does not know
-//! everything yet: it begins no move then, which may have been taken back since.
+//! They travel over a ring. If it is full, orders wait at the engine's end, and the tick is told that orders
+//! are missing. It then begins no move, since the move may have been withdrawn.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use super::ToTick;
 /// The engine's end.
 pub struct Orders {
     ring: Producer<ToTick>,
-    /// What has found the ring full.
+    /// Orders that wait because the ring was full.
     waiting: VecDeque<ToTick>,
     behind: Arc<AtomicBool>,
 }
@@ -25,7 +25,7 @@ pub(super) struct Ordered {
     behind: Arc<AtomicBool>,
 }
 
-/// Both ends of a ring for so many orders.
+/// Both ends of a ring of this capacity.
 pub(super) fn orders(capacity: usize) -> (Orders, Ordered) {
     let (producer, consumer) = RingBuffer::new(capacity);
     let behind = Arc::<AtomicBool>::default();
@@ -42,13 +42,13 @@ pub(super) fn orders(capacity: usize) -> (Orders, Ordered) {
 }
 
 impl Orders {
-    /// Gives an order, after all that were given before.
+    /// Adds an order, after all earlier ones.
     pub fn push(&mut self, order: ToTick) {
         self.waiting.push_back(order);
         self.hand_on();
     }
 
-    /// Hands on what waits, as far as there is room.
+    /// Moves waiting orders to the ring, as far as there is room.
     pub fn hand_on(&mut self) {
         while let Some(order) = self.waiting.pop_front() {
             if let Err(PushError::Full(order)) = self.ring.push(order) {
@@ -59,15 +59,15 @@ impl Orders {
         self.behind.store(self.is_behind(), SeqCst);
     }
 
-    /// Whether an order waits, because the tick has not taken those before it for a long time.
+    /// Whether an order waits because the tick has not taken earlier ones for a long time.
     pub fn is_behind(&self) -> bool {
         !self.waiting.is_empty()
     }
 }
 
 impl Ordered {
-    /// Whether every order that was given so far is in the ring. Asked before the ring is emptied, it holds for what
-    /// is found there.
+    /// Whether all orders so far are in the ring. Asked before the ring is emptied, the answer holds for its
+    /// content.
     pub fn is_whole(&self) -> bool {
         !self.behind.load(SeqCst)
     }

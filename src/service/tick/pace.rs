@@ -1,28 +1,29 @@
-//! How far the command goes with a tick when ticks before it were missed.
+//! Progress of the command at a tick after missed ticks.
 //!
-//! The robot's time went on meanwhile. A command that waited for the tick would be late from then on by
-//! the time that was missed: a step of the command by as much as the joint goes in it, which rings.
+//! The robot's time went on during the missed ticks. A command that waited for the tick would be late by the
+//! missed time from then on: a step of the command by the distance of the joint in that time, which causes
+//! vibration.
 //!
-//! **Up to [`BRIDGED`] the time is made up for**: the setpoint is that of its own instant, as if
-//! nothing had been missed. Between two setpoints lies then more time, and what the command changes in
-//! it is what the plan, which keeps the limits at every instant, changes in it: no jump, but the next
-//! point of the same motion. A robot that goes by the stamps, or predicts the motion for as long as a
-//! setpoint is missing, sees none. One that holds the last setpoint for a time h and goes at a velocity
-//! v sees an error of area v h^2 / 2, which rings with w v h^2 / 2 where a delay leaves v h: less, as
-//! long as h is below a third of the mode's period.
+//! **Up to [`BRIDGED`] the time is made up for**: the setpoint is that of its own instant, as if no tick had
+//! been missed. There is then more time between two setpoints, and the command changes by what the plan changes
+//! in that time. The plan keeps the limits at every instant, so that this is no jump, but the next point of the
+//! same motion. A robot that follows the stamps, or predicts the motion for a missing setpoint, sees none. A
+//! robot that holds the last setpoint for a time h at a velocity v sees an error of area v h^2 / 2. It causes a
+//! vibration of w v h^2 / 2, where a delay causes v h: less, as long as h is below a third of the mode's
+//! period.
 //!
-//! **Where setpoints carry no time** the robot takes each as the next one, whenever it comes: nothing is
-//! made up for. The command waits for the tick and goes on from where it was, so that from one setpoint
-//! to the next it never changes by more than the plan does in a control period. A time h that is made up
-//! for would be a step of v h at once, which a controller that tracks positions follows as it is or
-//! refuses as an excess of its velocity limit. Waiting is two steps of the velocity, to a stand and back,
-//! h apart: together they excite 2 sin(w h / 2) of what one of them does. A slow start would be the first
-//! alone. Up to h of a sixth of the mode's period waiting rings less, which at 8 Hz is [`BRIDGED`], too.
+//! **Where setpoints carry no time** the robot takes each one as the next, whenever it arrives, and nothing is
+//! made up for. The command waits for the tick and continues from where it was, so that it never changes by
+//! more than the plan does in a control period. Making up for a time h would be a step of v h at once, which a
+//! position controller follows, or refuses as a violation of its velocity limit. Waiting is two steps of the
+//! velocity, to a stop and back, h apart: together they excite 2 sin(w h / 2) of what one of them does. A slow
+//! start would be the first step alone. Up to h of a sixth of the mode's period waiting causes less vibration;
+//! at 8 Hz that is [`BRIDGED`], too.
 //!
-//! **After a longer time** the robot no longer predicts: it has stopped, or been stopped. The next
-//! point of the motion would be a jump. The command then goes on from where it was and starts slowly:
-//! it is run through at a rate `r(t) = tanh^2(k t)` that rises from 0 to 1. With `x` the command at its
-//! full rate, within V, A and J in velocity, acceleration and jerk, it has
+//! **After a longer time** the robot no longer predicts: it has stopped, or been stopped, and the next point of
+//! the motion would be a jump. The command then continues from where it was and starts slowly, at a rate `r(t)
+//! = tanh^2(k t)` that rises from 0 to 1. Let `x` be the command at its full rate, within V, A and J in
+//! velocity, acceleration and jerk. Then
 //!
 //! ```text
 //! velocity      x' r                         <= V
@@ -30,11 +31,11 @@
 //! jerk          x''' r^3 + 3 x'' r r' + x' r''  <= J  for  2 A k + 2 V k^2 <= J
 //! ```
 //!
-//! by `r' = 2 k sqrt(r) (1 - r)` and `r'' = 2 k^2 (1 - 3 r) (1 - r)`: the sum over its bound is largest at
-//! r = 1 for the acceleration; for the jerk `r^1.5 <= (1 + r + r^2) / 3` and `|1 - 3 r| <= 1 + r + r^2`
-//! make the two terms beside `J r^3` less than `(2 A k + 2 V k^2) (1 - r^3)`. Between two setpoints `x'` and `x''`
-//! are linear, so that the bounds hold for what is sent, too. The command falls back by
-//! 1 / k in all, which is made a whole number of periods, so that it ends on its own samples.
+//! by `r' = 2 k sqrt(r) (1 - r)` and `r'' = 2 k^2 (1 - 3 r) (1 - r)`. For the acceleration the sum relative to
+//! its bound is largest at r = 1. For the jerk `r^1.5 <= (1 + r + r^2) / 3` and `|1 - 3 r| <= 1 + r + r^2` make
+//! the two terms beside `J r^3` less than `(2 A k + 2 V k^2) (1 - r^3)`. Between two setpoints `x'` and `x''`
+//! are linear, so that the bounds hold for the sent command, too. The command falls back by 1 / k in all, which
+//! is rounded up to a whole number of periods, so that it ends on its own samples.
 //!
 //! [`BRIDGED`]: crate::service::bridged::BRIDGED
 
@@ -42,14 +43,14 @@ use quell_trajectories::Limits;
 
 use crate::service::bridged::bridged;
 
-/// The way in which the command takes a tick.
+/// The progress of the command at a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stride {
-    /// Control periods that every joint goes on by.
+    /// Control periods by which every joint advances.
     pub periods: u64,
-    /// How far behind the last of them the setpoint lies, control periods, 0 to 1.
+    /// Distance of the setpoint behind the last of them, control periods, 0 to 1.
     pub behind: f64,
-    /// Rate at which the command is run through, 0 to 1.
+    /// Rate of the command, 0 to 1.
     pub rate: f64,
     /// Its derivative, 1/s.
     pub slope: f64,
@@ -67,12 +68,12 @@ impl Stride {
     }
 }
 
-/// A slow start under way.
+/// A slow start in progress.
 #[derive(Clone, Copy, Debug)]
 struct SlowStart {
-    /// How far behind the last sample it began, control periods.
+    /// Initial distance behind the last sample, control periods.
     behind: f64,
-    /// How far the command falls back in all, ticks.
+    /// Total lag of the command, ticks.
     lag: f64,
     /// Ticks since.
     ticks: f64,
@@ -80,19 +81,19 @@ struct SlowStart {
     periods: u64,
 }
 
-/// The command's progress from tick to tick. No allocation.
+/// The progress of the command from tick to tick. No allocation.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
     period: f64,
-    /// Whether the robot can tell from a setpoint how much time has gone by.
+    /// Whether setpoints tell the robot the elapsed time.
     timed: bool,
-    /// The least that a slow start falls back, ticks.
+    /// Least lag of a slow start, ticks.
     lag: f64,
     slow: Option<SlowStart>,
 }
 
 impl Pace {
-    /// For joints of these limits at a control period, s. `timed` says whether setpoints carry time.
+    /// For joints with these limits and a control period, s. `timed` tells whether setpoints carry time.
     pub fn new(limits: impl Iterator<Item = Limits>, period: f64, timed: bool) -> Self {
         let lags = limits.map(|limits| 1.0 / (steepness(limits) * period));
         Self {
@@ -103,7 +104,7 @@ impl Pace {
         }
     }
 
-    /// The stride of a tick before which so many were `missed`, while a joint `moves` or none does.
+    /// The stride of a tick after `missed` ones, while a joint `moves` or none does.
     pub fn stride(&mut self, missed: u64, moves: bool) -> Stride {
         if !moves {
             self.slow = None;
@@ -131,7 +132,7 @@ impl Pace {
         slow.ticks += ticks as f64;
         let root = (slow.ticks / slow.lag).tanh();
         let over = root >= 1.0;
-        // At full rate to the last bit it stands on its own samples, but for rounding.
+        // At full rate it is on its own samples, up to rounding.
         let periods = match over {
             true => slow.progress().round(),
             false => slow.progress().ceil(),

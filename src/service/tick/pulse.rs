@@ -1,13 +1,13 @@
-//! The tick by its clock: when it is due, how late it comes, and how many were missed.
+//! The tick with its clock: due time, lateness, and missed ticks.
 
 use super::{Histogram, Tick};
 use crate::service::clock::ServiceClock;
 use crate::service::contract::TickStatistics;
 
-/// State is published so many times a second.
+/// Number of published states per second.
 const REPORTS: f64 = 20.0;
 
-/// A tick and the clock that it is kept by.
+/// A tick with its clock.
 pub struct Pulse {
     tick: Tick,
     clock: ServiceClock,
@@ -37,14 +37,14 @@ impl Pulse {
         }
     }
 
-    /// The ticks begin now, on a thread that has a real-time priority and locked memory, or not.
+    /// Starts the ticks, on a thread with or without real-time priority and locked memory.
     pub fn begin(&mut self, real_time: bool, memory_locked: bool) {
         (self.statistics.real_time, self.statistics.memory_locked) = (real_time, memory_locked);
         self.due = self.clock.now() + self.tick.period();
         self.next_report = self.due;
     }
 
-    /// Waits for the next tick and runs it. Those whose time is over by then are missed.
+    /// Waits for the next tick and runs it. Ticks whose time is over by then are missed.
     pub fn beat(&mut self) {
         let (clock, period) = (&self.clock, self.tick.period());
         clock.sleep_until(self.due);
@@ -54,7 +54,7 @@ impl Pulse {
         let missed = ((begun - self.due) / period).floor().max(0.0);
         self.statistics.skipped += missed as u64;
         self.due += missed * period;
-        // By the instant that it was due, so that lateness does not shift the command.
+        // The due time is used, so that lateness does not shift the command.
         self.tick.run(self.due, missed as u64);
         if begun >= self.next_report {
             self.next_report = begun + 1.0 / REPORTS;

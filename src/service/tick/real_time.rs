@@ -1,4 +1,4 @@
-//! Requests of the tick to the system: priority before everything else, and memory that stays.
+//! Requests to the system for the tick: real-time priority, and locked memory.
 
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::process::{Resource, getrlimit};
@@ -12,7 +12,7 @@ use tracing::warn;
 /// kernel's own watchdogs (99).
 const PRIORITY: u8 = 80;
 
-/// Gives the calling thread a real-time priority (SCHED_FIFO); says whether it was allowed.
+/// Gives the calling thread a real-time priority (SCHED_FIFO); returns whether it was allowed.
 pub fn raise_priority() -> bool {
     let Ok(priority) = PRIORITY.try_into() else {
         return false;
@@ -31,10 +31,9 @@ pub fn raise_priority() -> bool {
     }
 }
 
-/// Keeps the memory of the process from being paged out; says whether it was allowed.
+/// Prevents paging of the process' memory; returns whether it was allowed.
 pub fn lock_memory() -> bool {
-    // With a limit, memory asked for later would be refused once it is reached: then only what is
-    // there now is locked.
+    // With a limit, later allocations would fail once it is reached: then only the present memory is locked.
     let flags = match getrlimit(Resource::Memlock).current {
         None => MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT,
         Some(_) => MlockAllFlags::CURRENT | MlockAllFlags::ONFAULT,

@@ -1,11 +1,11 @@
-//! When a plan or a train is taken, and why not.
+//! Conditions for taking a plan or a train.
 
 use quell_shapers::RetuneOutcome;
 
 use super::messages::{NotTaken, Plan, RetuneOrder, Start, Train};
 use crate::controller::Controller;
 
-/// Whether a plan's time has come; installs the train that it needs.
+/// Whether a plan can begin; installs the train that it needs.
 pub fn ready(plan: &Plan, controller: &mut Controller, tick: u64) -> Result<bool, NotTaken> {
     let train = match &plan.start {
         Start::Tick(start) if *start < tick => return Err(NotTaken::Late),
@@ -20,7 +20,7 @@ pub fn ready(plan: &Plan, controller: &mut Controller, tick: u64) -> Result<bool
     Ok(!controller.is_train_waiting())
 }
 
-/// Has a train take over once the joint rests, unless it is the next one already.
+/// Installs a train once the joint rests, unless it is the next one already.
 pub fn put_in_force(train: &Train, controller: &mut Controller) -> Result<(), NotTaken> {
     if controller.axis().status().retunes != train.retunes {
         return Err(NotTaken::Outdated);
@@ -34,8 +34,8 @@ pub fn put_in_force(train: &Train, controller: &mut Controller) -> Result<(), No
     set.map_err(NotTaken::Train)
 }
 
-/// Goes on with the copy of the filter in which a train takes over; where the command has changed since, or it leaves no less, nothing
-/// changes.
+/// Continues with the copy of the filter in which a train takes over. If the command has changed since, or the
+/// train leaves no less, nothing changes.
 pub fn adopt(order: &mut RetuneOrder, controller: &mut Controller) -> RetuneOutcome {
     let (train, modes) = (&order.train, &order.modes);
     let outcome = controller.adopt(&mut order.lent, &train.known, modes);

@@ -1,4 +1,4 @@
-//! The thread that keeps the tick.
+//! The thread of the tick.
 
 use std::io;
 use std::sync::Arc;
@@ -7,14 +7,14 @@ use std::thread::JoinHandle;
 
 use super::{Pulse, real_time};
 
-/// How the tick's thread runs.
+/// Settings of the tick's thread.
 #[derive(Clone, Copy, Debug)]
 pub struct TickThreadSettings {
     /// Whether a real-time priority and locked memory are asked for.
     pub real_time: bool,
 }
 
-/// The thread that keeps the tick; it ends when this is dropped.
+/// The thread of the tick; it ends when this is dropped.
 pub struct TickThread {
     ending: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
@@ -37,7 +37,7 @@ impl TickThread {
         })
     }
 
-    /// Whether it has ended, which it never does by itself.
+    /// Whether it has ended, which it never does on its own.
     pub fn has_ended(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }

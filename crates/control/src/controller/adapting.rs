@@ -20,8 +20,8 @@ impl Axis {
             self.status.decision = Some(Decision::Keep(Reason::Held(hold)));
             return;
         }
-        // Once the plan has ended there is little more to learn: what is certain enough for the
-        // adaptation is used then, settled or not.
+        // After the end of the plan little more can be learned. An estimate that is certain enough for the
+        // adaptation is then used, even if it has not converged.
         estimate.converged |= self.settings.estimator.states_error
             && ahead.remaining() == 0
             && loses_energy(&estimate);
@@ -29,8 +29,9 @@ impl Axis {
             self.status.decision = Some(Decision::Keep(reason));
             return;
         }
-        // The steps of a correction are a quarter period apart: more often gains nothing, and a train that
-        // is solved numerically costs. Counted by the axis' own time, since a frozen estimate does not advance.
+        // The steps of a correction are a quarter period apart, so that a higher rate gains nothing, and a
+        // numerical solution of a train is expensive. The axis' own time counts, since a frozen estimate does
+        // not advance.
         if self.time - self.last_considered < 0.25 * estimate.mode.damped_period() {
             return;
         }
@@ -51,10 +52,11 @@ impl Axis {
         });
     }
 
-    /// The part of the unshaped vibration that one mode leaves unexplained, where that is more than the train in force leaves of
-    /// the mode: a train for it would then take less away than is not understood.
+    /// The part of the unshaped vibration that one mode leaves unexplained, if that is more than the train in
+    /// force leaves of the mode: a train for it would then remove less than the unexplained part.
     fn unexplained(&mut self, mode: Mode) -> Option<f64> {
-        // It decays, and the phases of a move may cancel each other: the largest of the move counts.
+        // The unshaped vibration decays, and the phases of a move may cancel: the largest value of the move
+        // counts.
         let unshaped = self.filter.residual(mode)?.unshaped;
         self.unshaped = self.unshaped.max(unshaped);
         let unexplained = self.estimator.unexplained() / self.unshaped.max(f64::MIN_POSITIVE);
@@ -62,7 +64,7 @@ impl Axis {
         (unexplained > in_force).then_some(unexplained)
     }
 
-    /// How well the mode of an estimate is known: where the method states no error, no better than a belief.
+    /// How well the mode of an estimate is known. If the method states no error, it counts as a belief.
     fn known(&self, estimate: &Estimate) -> UncertainMode {
         match self.settings.estimator.states_error {
             true => self.adaptation.known(estimate),
@@ -84,7 +86,7 @@ impl Axis {
             return decision;
         }
         match self.consider_at_rest(estimate, known, next) {
-            // What is left is no reason for another train, but the delay is.
+            // The residual is no reason for another train, but a shorter delay is.
             Decision::Keep(Reason::DeadBand(_))
                 if self.is_much_shorter(next, known.mode) && self.install(next, known) =>
             {
@@ -94,16 +96,16 @@ impl Axis {
         }
     }
 
-    /// Whether the next train does for an estimate, and none could be shorter by much: positive impulses need half
-    /// a period. Nothing has to be designed then.
+    /// Whether the next train suits an estimate, and no train is much shorter: positive impulses need half a
+    /// period. Then no train has to be designed.
     fn has_shortest_for(&self, estimate: &Estimate) -> bool {
         let next = self.next_train();
         next.duration() < 0.75 * estimate.mode.damped_period()
             && self.adaptation.suits(next, estimate)
     }
 
-    /// Whether a train saves delay: trains for a mode that is known well and for one that is not are half
-    /// periods apart, and half of that is no rounding of theirs.
+    /// Whether a train saves delay. Trains for well-known and poorly known modes differ in length by half
+    /// periods; half of that is well above their rounding to the grid.
     fn is_much_shorter(&self, next: &GridTrain, mode: Mode) -> bool {
         next.duration() + 0.25 * mode.damped_period() < self.next_train().duration()
     }
@@ -129,8 +131,8 @@ impl Axis {
         decision
     }
 
-    /// Corrects the command under way, where that takes more vibration away over the rest of the move than it brings.
-    /// Goes over to a train for the mode if the one in force is worse by more than the dead band.
+    /// Corrects the command under way, if that removes more vibration over the rest of the move than it adds.
+    /// Changes to a train for the mode if the one in force is worse by more than the dead band.
     fn correct(
         &mut self,
         estimate: &Estimate,
@@ -138,7 +140,7 @@ impl Axis {
         next: &GridTrain,
         ahead: &Ahead<'_>,
     ) -> Option<Decision> {
-        // A correction under way is made anew only for an estimate beyond the error of its own.
+        // A correction under way is replaced only for an estimate that differs by more than its own error.
         let corrects_for_it = self.filter.is_correcting() && self.corrected.is_near(estimate.mode);
         if corrects_for_it || !self.adaptation.may_correct(estimate, next) {
             return None;
@@ -179,7 +181,7 @@ impl Axis {
         ahead: &Ahead<'_>,
     ) -> RetuneOutcome {
         if self.lane.is_some() {
-            // The trains of a kept path are those of all axes.
+            // The trains of a kept path belong to all axes.
             return RetuneOutcome::Refused(Refusal::Busy);
         }
         let request = self.request(train, modes);
@@ -189,7 +191,7 @@ impl Axis {
         outcome
     }
 
-    /// The filter has gone over to a train for a mode and corrects for modes, or not.
+    /// Records the outcome of a retune: a new train for a mode and a correction for modes, or a refusal.
     pub(super) fn retuned(
         &mut self,
         outcome: RetuneOutcome,
@@ -198,7 +200,7 @@ impl Axis {
     ) {
         self.changes += 1;
         match outcome {
-            // It would leave no less, or something else came before it.
+            // It would leave no less, or another change came first.
             RetuneOutcome::Refused(Refusal::NotWorth(_) | Refusal::Busy) => {}
             RetuneOutcome::Refused(_) => self.status.refused += 1,
             RetuneOutcome::Installed => self.status.shaped_for = *known,
@@ -226,10 +228,10 @@ impl Axis {
         self.settings.rest.quantisation / 12f64.sqrt()
     }
 
-    /// A move from rest begins: the mode may have changed since the last one, as by a payload.
+    /// Prepares for a move from rest: the mode may have changed since the last one, for example by a payload.
     ///
-    /// What the last mode has left would be replayed as that of the new one, and vibration be cancelled that is not there. It is
-    /// forgotten where the last mode says that it is less than what is worth a change.
+    /// The memory of the last move would be replayed with the new mode, and a vibration cancelled that does not
+    /// exist. It is forgotten if less than the dead band is left according to the last mode.
     pub(super) fn begin_from_rest(&mut self) {
         if self.has_died() {
             self.filter.forget();
@@ -237,7 +239,8 @@ impl Axis {
         self.begin_move();
     }
 
-    /// Whether less than the dead band is left of what the planned input would have made, by the mode that was estimated last.
+    /// Whether less than the dead band is left of the unshaped vibration, according to the mode that was
+    /// estimated last.
     fn has_died(&self) -> bool {
         let estimate = self.status.estimate.as_ref();
         let estimate = estimate.filter(|found| self.adaptation.screen(found).is_ok());
@@ -250,8 +253,8 @@ impl Axis {
         left.is_none_or(|left| left.shaped <= dead_band * left.unshaped.max(self.unshaped))
     }
 
-    /// A correction was made for another plan: with the new one it could leave another vibration, and exceed the
-    /// limits. Where none keeps them, nothing is changed.
+    /// Adapts a correction to a new plan: with that it could leave another vibration and exceed the limits. If
+    /// no correction keeps them, nothing is changed.
     pub(super) fn follow(&mut self, ahead: &Ahead<'_>) -> Result<(), Refusal> {
         if !self.filter.is_correcting() {
             return Ok(());
@@ -262,7 +265,7 @@ impl Axis {
         self.filter.replan(&request, ahead.remaining(), planned)
     }
 
-    /// Whether the train is taken: it then takes over once the command stands still.
+    /// Whether the train was accepted; it takes over once the command stands still.
     fn install(&mut self, train: &GridTrain, known: &UncertainMode) -> bool {
         let taken = match &mut self.lane {
             Some(lane) => lane.wait_with(train),
@@ -281,9 +284,9 @@ impl Axis {
     }
 }
 
-/// Whether two standard deviations exclude that the mode is undamped. Every joint loses energy; a fit
-/// that stops at no damping follows something else, as a sensor on the wrong wire shows it, and the
-/// standard deviation of a maximum on the edge of its range is not that of its error.
+/// Whether two standard deviations exclude zero damping. Every joint loses energy: a fit with zero damping
+/// follows another signal, for example of a miswired sensor. The standard deviation of a maximum at the edge of
+/// its range is not that of its error.
 fn loses_energy(estimate: &Estimate) -> bool {
     estimate.mode.damping_ratio() > 2.0 * estimate.damping_ratio_std
 }

@@ -21,11 +21,11 @@ pub struct AxisStatus {
     pub estimate: Option<Estimate>,
     /// The adaptation's answer to the last estimate.
     pub decision: Option<Decision>,
-    /// The mode that the train in force was designed for, and how well it was known then.
+    /// The mode of the train in force, and how well it was known at its design.
     pub shaped_for: UncertainMode,
     /// Trains that were changed because of an estimate.
     pub retunes: u32,
-    /// Corrections that were refused because no limit-keeping one was found.
+    /// Corrections that were refused because none keeps the limits.
     pub refused: u32,
     /// Corrections sent; a correction need not change the train.
     pub corrections: u32,
@@ -42,7 +42,7 @@ pub struct Axis {
     rest: RestDetector,
     pub(super) estimator: Box<dyn Estimator>,
     pub(super) adaptation: Adaptation,
-    /// Changes nothing where there is a lane.
+    /// Not used where there is a lane.
     pub(super) filter: AdaptiveFilter,
     /// The trains of all axes, where the path in space is kept.
     pub(super) lane: Option<Lane>,
@@ -52,19 +52,19 @@ pub struct Axis {
     /// The modes that the last correction was for, and how well they were known.
     pub(super) corrected: Corrected,
     pub(super) status: AxisStatus,
-    /// The samples since the last move began, or since they were taken; no more than there is room for.
+    /// The samples since the start of the last move, or since they were last cleared; limited by the capacity.
     heard: Vec<Sample>,
     /// Why the train is not followed, if it is not.
     pub(super) hold: Option<Hold>,
-    /// The largest vibration that the planned input of the move would have left unshaped, rad.
+    /// The largest vibration that the planned input of the move would have left without shaping, rad.
     pub(super) unshaped: f64,
     fresh: bool,
-    /// Changes of the command other than by the tick: of plan, train, corrections.
+    /// Number of changes of the command other than by the tick: of plan, train, corrections.
     pub(super) changes: u64,
 }
 
 impl Axis {
-    /// An axis at rest at `position`; allocates all that it will ever need.
+    /// An axis at rest at `position`; allocates all its memory.
     ///
     /// # Errors
     /// [`quell_shapers::ShaperError`] where the belief cannot be shaped for at this rate.
@@ -106,17 +106,18 @@ impl Axis {
         })
     }
 
-    /// The state of the axis: its belief, its train, its counts.
+    /// The state of the axis: estimate, train, counts.
     pub fn status(&self) -> &AxisStatus {
         &self.status
     }
 
-    /// The samples since the last move began, for a [`crate::learning::Learner`]; of more than there is room for the first.
+    /// The samples since the last move began, for a [`crate::learning::Learner`]. If they exceed the capacity,
+    /// the first ones are kept.
     pub fn heard(&self) -> &[Sample] {
         &self.heard
     }
 
-    /// Makes room for so many samples.
+    /// Reserves memory for so many samples.
     pub(super) fn keep_samples(&mut self, count: usize) {
         self.heard = Vec::with_capacity(count);
     }
@@ -126,7 +127,7 @@ impl Axis {
         self.lane.as_ref().is_none_or(Lane::is_settled) && self.filter.is_settled()
     }
 
-    /// From now on the axis runs the trains of all axes, its own among them.
+    /// From now on the axis runs the trains of all axes in sequence.
     pub(super) fn enter(&mut self, lane: Lane) -> Result<(), ShaperError> {
         self.filter
             .install(&GridTrain::identity(self.settings.sample_time)?)?;
@@ -162,12 +163,12 @@ impl Axis {
         lane || self.filter.pending().is_some()
     }
 
-    /// Makes room for the next samples, those that there are having been taken.
+    /// Clears the samples for the next move.
     pub(super) fn clear_samples(&mut self) {
         self.heard.clear();
     }
 
-    /// Forgets what the sensors have said.
+    /// Discards all sensor samples.
     pub(super) fn restart_estimation(&mut self) {
         self.sensor.restart();
         self.rest = RestDetector::new(self.settings.rest);
@@ -180,7 +181,7 @@ impl Axis {
         core::mem::replace(&mut self.sensor, sensor)
     }
 
-    /// What was estimated of the last move does not hold for the next one.
+    /// Begins a move: the estimate of the last move does not hold for it.
     pub(super) fn begin_move(&mut self) {
         self.estimator.restart();
         self.status.estimate = None;
@@ -211,7 +212,7 @@ impl Axis {
         }
     }
 
-    /// Begins a new window with each free decay, for estimators that cannot use the motion.
+    /// Begins a new window with each free decay, for estimators that are not valid in motion.
     fn watch(&mut self, time: f64, position: f64) {
         let before = self.rest.motion();
         let now = self.rest.observe(time, position);

@@ -8,23 +8,23 @@ use crate::learning::Hold;
 use quell_signal::DeformationSensor;
 
 impl Controller {
-    /// Whether the train follows the estimate from now on. No allocation.
+    /// Sets whether the train follows the estimate. No allocation.
     pub fn set_adaptive(&mut self, adaptive: bool) {
         self.axis.settings.adaptive = adaptive;
     }
 
-    /// Keeps up to so many samples of a move, for a [`crate::learning::Learner`]. Allocates.
+    /// Keeps up to so many samples of a move for a [`crate::learning::Learner`]. Allocates.
     pub fn keep_samples(&mut self, count: usize) {
         self.axis.keep_samples(count);
     }
 
-    /// Makes room for the next samples, where somebody else keeps them. No allocation.
+    /// Clears the samples, for a caller that stores them itself. No allocation.
     pub fn clear_samples(&mut self) {
         self.axis.clear_samples();
     }
 
-    /// Why the train is not to follow the estimate from now on, as [`crate::learning::Learner::prescribe`] says; none lets it.
-    /// No allocation.
+    /// Sets the reason not to follow the estimate, from [`crate::learning::Learner::prescribe`]; `None` allows
+    /// following. No allocation.
     pub fn hold(&mut self, hold: Option<Hold>) {
         self.axis.hold = hold;
     }
@@ -43,11 +43,12 @@ impl Controller {
         self.axis.set_train(shaper, known, train)
     }
 
-    /// Goes over to `train` in motion, and takes away what the one in force has left of one to three modes, as
-    /// [`quell_shapers::AdaptiveFilter::retune`] does: within the limits, to the exact end, and only where that leaves less.
-    /// `known` is the mode that the train is told to be for. No allocation; it costs as a retune by an estimate does.
+    /// Goes over to `train` in motion, and cancels what the one in force has left of one to three modes, as
+    /// [`quell_shapers::AdaptiveFilter::retune`] does: within the limits, to the exact end, and only if that
+    /// leaves less. `known` is the mode to be reported for the train. No allocation; the cost is that of a
+    /// retune by an estimate.
     ///
-    /// Where it is refused nothing has changed. At rest it is refused, too: [`Self::set_train`] moves nothing.
+    /// A refusal changes nothing. At rest a retune is refused, too: [`Self::set_train`] moves nothing.
     pub fn retune(
         &mut self,
         train: &GridTrain,
@@ -71,7 +72,7 @@ impl Controller {
         self.axis.filter.is_correcting()
     }
 
-    /// Forgets what the estimator has seen, as after a fault of the sensor. No allocation.
+    /// Discards the estimator's samples, for example after a fault of the sensor. No allocation.
     pub fn restart_estimation(&mut self) {
         self.axis.restart_estimation();
     }

@@ -10,7 +10,7 @@ pub struct Corrected {
 }
 
 impl Corrected {
-    /// The first of these modes; there is one at least.
+    /// The first of these modes; there must be at least one.
     pub fn of(modes: &[UncertainMode]) -> Self {
         let count = modes.len().clamp(1, CORRECTED_MODES);
         Self {
@@ -24,7 +24,7 @@ impl Corrected {
         &self.modes[..self.count]
     }
 
-    /// Whether it was for this mode as well as it is known.
+    /// Whether the correction was for this mode, within the uncertainty of the correction's modes.
     pub fn is_near(&self, mode: Mode) -> bool {
         self.modes().iter().any(|known| known.is_near(mode))
     }

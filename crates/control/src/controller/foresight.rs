@@ -1,9 +1,9 @@
-//! A correction that is searched for beside the tick.
+//! The search for a correction beside the tick.
 //!
-//! Until something else changes it, a command is known ahead of its time: filter and plan say it to the bit. So the tick lends a copy of
-//! its filter. Whoever has it lets it run ahead of the tick, searches there for the correction, which takes longer than a short
-//! control period, and gives it back. When the tick has come to where it was left, it goes on with it, unless the command has changed
-//! since.
+//! Until something else changes the command, filter and plan determine its future exactly. So the tick lends a
+//! copy of its filter. The borrower runs the copy ahead of the tick, searches there for the correction, which
+//! takes longer than a short control period, and gives the copy back. When the tick reaches the same point, it
+//! goes on with the copy, unless the command has changed in the meantime.
 
 use quell_shapers::{
     AdaptiveFilter, MotionLimits, Refusal, Retune, RetuneOutcome, Setpoint, UncertainMode,
@@ -19,7 +19,7 @@ pub struct Lent {
     limits: MotionLimits,
     dead_band: f64,
     resolution: f64,
-    /// Changes of the axis' command when it was lent.
+    /// Value of [`Axis::changes`] when it was lent.
     changes: u64,
     /// The planned setpoint then.
     planned: Setpoint,
@@ -62,7 +62,7 @@ impl Lent {
 }
 
 impl Controller {
-    /// Keeps what [`Controller::lend`] lends. Allocates as much as the axis has.
+    /// Reserves the copy that [`Controller::lend`] lends. Allocates as much as the axis has.
     pub fn keep_spare(&mut self) {
         let axis = &self.axis;
         let settings = &axis.settings;
@@ -78,8 +78,8 @@ impl Controller {
         }));
     }
 
-    /// Lends a copy of the filter; none while it is lent, while the command stands still, or where none is kept. No allocation; it costs
-    /// as much as the copy of what is remembered of the move.
+    /// Lends a copy of the filter. `None` while it is lent, while the command stands still, on a kept path, or
+    /// without a reserved copy. No allocation; the cost is a copy of the move's memory.
     pub fn lend(&mut self) -> Option<Box<Lent>> {
         if self.is_settled() || self.axis.lane.is_some() {
             return None;
@@ -91,20 +91,21 @@ impl Controller {
         Some(lent)
     }
 
-    /// Ticks until the command is where a copy was left; below 0 it is past that.
+    /// Ticks until the command reaches the end of a copy; negative if it is past that.
     pub fn due_in(&self, lent: &Lent) -> i64 {
         lent.filter.ticks() as i64 - self.axis.filter.ticks() as i64
     }
 
-    /// Takes a copy back and goes on as before; leaves one that there is no use for. No allocation.
+    /// Takes a copy back without using it; does nothing if the axis has its copy already. No allocation.
     pub fn give_back(&mut self, lent: &mut Option<Box<Lent>>) {
         if self.spare.is_none() {
             self.spare = lent.take();
         }
     }
 
-    /// Takes a copy back. Where the command is just where the copy was left, and has changed in nothing since it was lent, it goes on as
-    /// the copy does. Otherwise the answer is [`Refusal::Busy`], and nothing has changed. No allocation.
+    /// Takes a copy back. If the command is exactly at the end of the copy and was not changed since the
+    /// lending, it goes on with the copy. Otherwise the answer is [`Refusal::Busy`], and nothing is changed. No
+    /// allocation.
     pub fn adopt(
         &mut self,
         lent: &mut Option<Box<Lent>>,

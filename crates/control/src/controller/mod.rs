@@ -1,8 +1,8 @@
 //! The controller at the tick: target to trajectory to shaper to setpoint, sample to estimate to train.
 //!
-//! [`Controller::tick`] composes everything for one axis. It does no I/O, does not allocate, block or
-//! fail; what allocates (planning, building an axis) happens off the tick and is handed over. Several
-//! axes are as many controllers, which [`KeptPath`] makes keep a path in space.
+//! [`Controller::tick`] runs all of it for one axis. It does no I/O, does not allocate, block or fail. Work
+//! that allocates (planning, building an axis) happens off the tick, and its result is handed over. Several
+//! axes are several controllers; [`KeptPath`] lets them keep a path in space.
 
 mod adapting;
 mod ahead;
@@ -61,8 +61,8 @@ pub enum LoadError {
         /// The plan's first one.
         found: f64,
     },
-    /// A correction is under way, and with the plan the command would exceed the limits: try again
-    /// at the next tick, or plan with lower limits.
+    /// A correction is under way, and with the plan the command would exceed the limits. Try again at the next
+    /// tick, or plan with lower limits.
     #[error("a correction is under way: {0}")]
     Correction(Refusal),
 }
@@ -73,12 +73,12 @@ pub struct Controller {
     planned: Setpoint,
     plan: Option<SampledTrajectory>,
     cursor: usize,
-    /// Room for a search beside the tick; none while it is lent.
+    /// Copy for a search beside the tick; `None` while it is lent.
     spare: Option<Box<Lent>>,
 }
 
 impl Controller {
-    /// A controller of an axis at rest at `position` (rad); allocates all that it will ever need.
+    /// A controller of an axis at rest at `position` (rad); allocates all its memory.
     ///
     /// # Errors
     /// [`ShaperError`] where the belief cannot be shaped for at the control rate.
@@ -95,9 +95,9 @@ impl Controller {
     /// Takes a plan of one axis that begins at the present planned state, and gives the last one back,
     /// to be dropped off the tick. No allocation.
     ///
-    /// In motion, as for a new target or a stop, the plan begins at [`Controller::planned`], which was
-    /// sent with the last tick, and the next tick sends the plan's second sample. A correction that is
-    /// under way is made anew, for the new plan.
+    /// In motion, for example for a new target or a stop, the plan begins at [`Controller::planned`], which was
+    /// sent with the last tick. The next tick sends the plan's second sample. A correction under way is
+    /// computed again for the new plan.
     ///
     /// # Errors
     /// The plan itself with a [`LoadError`]; nothing has changed then.
@@ -108,7 +108,7 @@ impl Controller {
         if let Err(error) = self.check(&plan) {
             return Err((plan, error));
         }
-        // From rest the first sample is sent too: the same position for a tick more.
+        // From rest the first sample is sent, too: the same position for one more tick.
         let cursor = usize::from(self.is_moving());
         let ahead = Ahead::new(Some(&plan), cursor, self.planned);
         if let Err(reason) = self.axis.follow(&ahead) {
@@ -135,8 +135,8 @@ impl Controller {
         setpoint
     }
 
-    /// Takes what was measured, where that and the control periods do not come one by one. The next
-    /// [`Controller::tick`] adapts to it. Does not allocate, block, print or fail.
+    /// Takes measurements, for callers in which these and the control periods do not alternate. The next
+    /// [`Controller::tick`] adapts to them. Does not allocate, block, print or fail.
     pub fn observe(&mut self, measurements: &[Measurement]) {
         for &measurement in measurements {
             self.axis.observe(measurement);
@@ -205,6 +205,6 @@ fn check_start(planned: &Setpoint, plan: &SampledTrajectory) -> Result<(), LoadE
     Ok(())
 }
 
-/// How far a plan may begin from the present planned position, rad: the planner's own end is exact,
-/// so only the rounding of a position handed through a file or a message is left.
+/// Largest distance of a plan's start from the present planned position, rad. The planner's own end is exact,
+/// so only the rounding of a position in a file or a message is allowed for.
 const START_TOLERANCE: f64 = 1e-9;

@@ -8,18 +8,18 @@ use super::Controller;
 
 /// Keeps the path in space of axes that move together.
 ///
-/// Axes that run their own trains have the least delay, but lag differently: they leave the path while
-/// they move. Here every axis runs the trains of all axes, one after the other. All are then delayed
-/// alike, each is the same function of the path parameter, and the path is kept to rounding; the added
-/// delays add up. New trains take effect at rest, on all axes with the same tick, whatever the
-/// axes' own [`super::RetunePolicy`] says.
+/// Axes that run their own trains have the least delay, but different lags, so that they leave the path while
+/// they move. Here every axis runs the trains of all axes, one after the other. All are delayed alike, each is
+/// the same function of the path parameter, and the path is kept to rounding; the delays of the trains add up.
+/// New trains take effect at rest, on all axes with the same tick, whatever the axes' own
+/// [`super::RetunePolicy`] says.
 pub struct KeptPath {
-    /// Ticks for which every command has stood still.
+    /// Number of ticks for which every command has stood still.
     rested: usize,
 }
 
 impl KeptPath {
-    /// From now on `axes`, all of them at rest, keep their path. Allocates what that takes.
+    /// Keeps the path of `axes` from now on; all must be at rest. Allocates.
     ///
     /// # Errors
     /// [`ShaperError`] where the axes have different control periods.
@@ -38,8 +38,8 @@ impl KeptPath {
         Ok(Self { rested: 0 })
     }
 
-    /// Before each tick of the same `axes`: puts trains that wait in force, on all axes with this tick.
-    /// No allocation.
+    /// To be called before each tick of the same `axes`: puts waiting trains in force on all axes with this
+    /// tick. No allocation.
     pub fn exchange_trains<C: BorrowMut<Controller>>(&mut self, axes: &mut [C]) {
         let settled = axes.iter().all(|axis| axis.borrow().is_settled());
         self.rested = match settled {
@@ -62,7 +62,7 @@ impl KeptPath {
 /// The trains of all axes as one axis runs them, in the order of the axes.
 pub(super) struct Lane {
     filters: Vec<ShapingFilter>,
-    /// Which of them is for this axis' own mode.
+    /// Index of the train for this axis' own mode.
     axis: usize,
     waiting: Option<GridTrain>,
 }
@@ -122,7 +122,7 @@ impl Lane {
         self.filters[self.axis].capacity()
     }
 
-    /// Keeps a train until all axes rest; says whether it fits.
+    /// Keeps a train until all axes rest; returns whether it fits.
     pub fn wait_with(&mut self, train: &GridTrain) -> bool {
         let fits = train.duration_in_ticks() <= self.capacity();
         if fits {
@@ -131,8 +131,7 @@ impl Lane {
         fits
     }
 
-    /// The train that waits, once all axes have rested for `ticks` that it needs to take over at
-    /// once.
+    /// The waiting train, once all axes have rested for as many ticks as it needs to take over at once.
     pub fn take_waiting(&mut self, ticks: usize) -> Option<GridTrain> {
         let ready = |train: &mut GridTrain| train.duration_in_ticks() < ticks;
         self.waiting.take_if(ready)
@@ -141,7 +140,7 @@ impl Lane {
     /// Puts a train in force for the mode of some axis. At rest it takes over at once.
     pub fn install(&mut self, axis: usize, train: &GridTrain) {
         if let Some(filter) = self.filters.get_mut(axis) {
-            // The length was checked by the axis that designed it, the grid when the lane was made.
+            // The length was checked by the axis that designed it, the grid when the lane was created.
             let _ = filter.install(train);
         }
     }

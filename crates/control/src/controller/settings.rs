@@ -1,4 +1,4 @@
-//! Settings of an axis, told before its first tick.
+//! Settings of an axis, fixed before its first tick.
 
 use quell_shapers::{Mode, MotionLimits, Shaper};
 use quell_trajectories::Limits;
@@ -10,13 +10,13 @@ use quell_signal::{DeformationSensor, RestRule};
 /// When a new train takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RetunePolicy {
-    /// With the next move: the running command is left as it is.
+    /// With the next move: the running command is not changed.
     AtRest,
-    /// At once: a cross-fade, and a correction that cancels what the old train would have left.
+    /// At once: by a cross-fade, and a correction that cancels what the old train would have left.
     InMotion,
 }
 
-/// Settings of an axis, told before its first tick.
+/// Settings of an axis, fixed before its first tick.
 pub struct AxisSettings {
     /// Control period, s.
     pub sample_time: f64,
@@ -24,7 +24,7 @@ pub struct AxisSettings {
     pub limits: Limits,
     /// The rule that designs trains; `None` sends the plan as it is.
     pub shaper: Option<&'static dyn Shaper>,
-    /// The mode that is shaped for until a better one is learned.
+    /// The mode that is shaped for until a better one is known.
     pub belief: Mode,
     /// Whether the train follows the estimate.
     pub adaptive: bool,
@@ -38,11 +38,11 @@ pub struct AxisSettings {
     pub adaptation: AdaptationSettings,
     /// The rule for rest of the motor side.
     pub rest: RestRule,
-    /// From measurements to deformation.
+    /// Computes the deformation from measurements.
     pub sensor: DeformationSensor,
     /// Longest train, s; sizes the delay line.
     pub longest_train: f64,
-    /// Longest move, s; sizes the memory of what was sent.
+    /// Longest move, s; sizes the memory of the sent command.
     pub longest_move: f64,
 }
 

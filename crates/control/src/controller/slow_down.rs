@@ -1,4 +1,4 @@
-//! Moves for trains with negative impulses, which can exceed limits that the plan keeps.
+//! Slower moves for trains with negative impulses, which can exceed limits that the plan keeps.
 
 use quell_shapers::{GridTrain, PeakRatios, ShapingFilter, peak_ratios};
 use quell_trajectories::{AxisState, Limits, PlanError, Planner, SampledTrajectory};
@@ -8,8 +8,8 @@ use super::settings::motion_limits;
 
 /// Rounding of velocities and accelerations by the planner and of differences over one tick.
 const ROUNDING: f64 = 1e-9;
-/// Slower plans that are tried; each step stretches by what the last one lacked, and a plan at lower
-/// limits is the old one stretched, so that the second is nearly right already.
+/// Most slower plans that are tried. Each is stretched by the excess of the last one, and a plan at lower
+/// limits is nearly a stretched plan, so that the second try is almost right.
 const ATTEMPTS: usize = 8;
 
 /// A plan whose shaped command keeps the limits.
@@ -50,8 +50,8 @@ pub fn plan_shaped(
     plan_shaped_by(planner, [from, to], limits, (train.sample_time(), trains))
 }
 
-/// As [`plan_shaped`], at a control period (s), until each of several trains alone keeps the limits: of axes that move
-/// on one path, each with a train of its own.
+/// As [`plan_shaped`], at a control period (s), until each of several trains alone keeps the limits. It is for
+/// axes on one path that each have their own train.
 ///
 /// # Errors
 /// [`PlanError`] where the move cannot be planned.
@@ -92,7 +92,7 @@ fn worst_of(one: PeakRatios, other: PeakRatios) -> PeakRatios {
 pub fn shaped_peaks(plan: &SampledTrajectory, limits: Limits, train: &GridTrain) -> PeakRatios {
     let mut filter = ShapingFilter::new(train.sample_time(), train.duration_in_ticks());
     let start = plan.positions(0)[0];
-    // The filter's own capacity is the train's length, so that it cannot refuse the train.
+    // The filter's capacity is the train's length, so that it cannot refuse the train.
     if filter.install(train).is_err() {
         return PeakRatios::default();
     }

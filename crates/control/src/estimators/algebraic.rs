@@ -14,7 +14,7 @@ use super::quadrature::Integral;
 use super::regression::{Hearing, Settling};
 use super::{Estimate, Estimator, Sample, Settings};
 
-/// Which regression is made of the integrals.
+/// The regression that is formed from the integrals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AlgebraicForm {
     /// The paper's three unknowns, `eta1[delta] + a2 eta2[delta] + a1 eta3[delta] = a3 eta3[u]`:
@@ -44,7 +44,7 @@ pub struct Algebraic {
     settling: Settling,
 }
 
-/// All that a restart forgets.
+/// State that a restart discards.
 #[derive(Clone, Copy, Debug, Default)]
 struct State {
     first: Option<Sample>,
@@ -62,7 +62,7 @@ struct State {
 }
 
 impl State {
-    /// Begins the integrals anew and keeps the equations: the initial state, which they annihilate,
+    /// Restarts the integrals and keeps the equations. The integrals annihilate the initial state, so that it
     /// may be another one.
     fn begin_stretch(&mut self) {
         *self = Self {
@@ -137,11 +137,11 @@ impl Algebraic {
         }
     }
 
-    /// Which columns carry something: the input's once it moved by more than the noise, the
-    /// offset's where the settings allow one.
+    /// Columns that carry information: the input's once it has moved by more than the noise, the offset's where
+    /// the settings allow one.
     fn used(&self) -> [bool; COLUMNS] {
         if self.form == AlgebraicForm::Paper {
-            // A position of zero is no column: then two unknowns are left.
+            // A position of zero is no column; two unknowns are then left.
             return [true, true, self.state.position_seen > 0.0, false, false];
         }
         let noise = self.settings.noise_std.unwrap_or(0.01 * self.state.largest);
@@ -150,9 +150,9 @@ impl Algebraic {
         [true, true, moves, self.settings.offset_is_free(), scale]
     }
 
-    /// How long the integrals run before they begin anew, s: the settings' memory, and no longer than
-    /// one and a half periods of the present estimate (with noise, or a mode that is not quite linear,
-    /// they drift away by three), or of the slowest mode that is looked for.
+    /// Length of the integrals before a restart, s. It is the settings' memory, but at most one and a half
+    /// periods of the present estimate, or of the slowest mode in range without one. With noise, or a slightly
+    /// nonlinear mode, the integrals drift within three periods.
     fn stretch(&self) -> f64 {
         let w = self
             .settling
@@ -163,7 +163,8 @@ impl Algebraic {
         self.settings.memory.min(1.5 * core::f64::consts::TAU / w)
     }
 
-    /// Takes a sample into the integrals of all signals; the time since the one before in this stretch, s.
+    /// Adds a sample to the integrals of all signals; returns the time since the last sample of this stretch,
+    /// s.
     fn integrate(&mut self, sample: Sample) -> f64 {
         let state = &mut self.state;
         let last = state.last.filter(|_| state.first.is_some());
@@ -172,7 +173,7 @@ impl Algebraic {
         let first = *state.first.get_or_insert(sample);
         let t = sample.time - first.time;
         let moved = sample.motor_position - first.motor_position;
-        // The paper's third column is the position itself; the form with y needs the motion only.
+        // The paper's third column is the position itself; the form with y needs only the motion.
         let input = if self.form == AlgebraicForm::Paper {
             sample.motor_position
         } else {
@@ -188,7 +189,7 @@ impl Algebraic {
         step
     }
 
-    /// Adds the equation at the last sample, which counts for a step (s).
+    /// Adds the equation at the last sample, weighted by a step (s).
     fn equate(&mut self, step: f64) {
         let (mut row, mut value) = self.row();
         if self.form == AlgebraicForm::Integrated {
@@ -222,7 +223,7 @@ impl Estimator for Algebraic {
         let begun = self.state.first;
         if begun.is_some_and(|first| sample.time - first.time >= self.stretch()) {
             if !self.state.hearing.hears(self.settings.noise_std) {
-                // Noise alone: nothing of it shall weigh on the vibration to come.
+                // Noise alone must not affect the estimate of a later vibration.
                 self.state.equations = LeastSquares::default();
             }
             self.state.begin_stretch();

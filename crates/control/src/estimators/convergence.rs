@@ -1,4 +1,4 @@
-//! When an estimate has settled: the standard deviation of the last estimates.
+//! The convergence criterion of an estimate: the standard deviation of the last estimates.
 
 /// Standard deviations of `ln w` and `xi` below which an estimate has settled: a ZV shaper that is
 /// off by `e` in either leaves `(pi / 2) e` of the vibration, so two standard deviations leave
@@ -33,7 +33,7 @@ impl Default for Convergence {
 }
 
 impl Convergence {
-    /// A window of so many periods of the estimated mode.
+    /// A window of this number of periods of the estimated mode.
     pub fn over(periods: f64) -> Self {
         Self {
             slots: [[0.0; 2]; SLOTS],

@@ -29,15 +29,15 @@ impl Correlation {
         }
     }
 
-    /// Part of the residual's variance that is not white: noise has no correlation of neighbours, what vibrates nearly 1; 0 where
-    /// `rho` is within two standard deviations of 0.
+    /// Part of the residual's variance that is not white. Neighbours are uncorrelated in white noise, and have
+    /// a correlation near 1 in a vibration. 0 where `rho` is within two standard deviations of 0.
     pub fn coloured(&self) -> f64 {
         let doubt = 2.0 / self.count.sqrt();
         self.rho().filter(|rho| *rho >= doubt).unwrap_or(0.0)
     }
 
-    /// The same a standard deviation of `rho` higher: what the noise may be, for a decision that must not
-    /// be led by its colour. Infinite where there are too few samples to know.
+    /// The same with `rho` one standard deviation higher: an upper value for decisions that coloured noise must
+    /// not cause. Infinite where there are too few samples.
     pub fn largest_inflation(&self) -> f64 {
         let doubt = self.count.sqrt().recip();
         self.rho()

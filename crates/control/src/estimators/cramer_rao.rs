@@ -1,4 +1,4 @@
-//! The Cramer-Rao bound: what no unbiased estimator can better.
+//! The Cramer-Rao bound: the least variance of an unbiased estimator.
 
 use quell_shapers::Mode;
 
@@ -77,7 +77,7 @@ pub fn two_mode_cramer_rao(
     let scale = inverse_square(settings.scale_std);
     let gain = inverse_square(settings.gain_std);
     let priors = PairPriors {
-        // Of no weight.
+        // The mean does not matter.
         mean: [0.0; 2],
         precision: [
             0.0, 0.0, 0.0, 0.0, offset, rate[0], rate[1], scale, 1.0, gain, 0.0, 0.0, 0.0, 0.0,

@@ -1,7 +1,7 @@
 //! Estimators of a vibratory mode, on-line, sample by sample.
 //!
-//! One file a method, one line a method in [`ESTIMATORS`]; command line, documents and tests loop
-//! over that table.
+//! Each method is one file and one line in [`ESTIMATORS`]; command line, documents and tests loop over that
+//! table.
 //!
 //! All methods share one model of the deformation `delta = y - u` of a joint whose motor side is at
 //! `u` (measured) and whose link is at `y`:
@@ -82,16 +82,16 @@ pub trait Estimator: Send {
     fn observe(&mut self, sample: Sample);
     /// The present estimate, once there is one.
     fn estimate(&self) -> Option<Estimate>;
-    /// A further mode beside that of the estimate, where the method looks for one and there is one.
+    /// A second mode beside that of the estimate, if the method looks for one and has found one.
     fn further(&self) -> Option<Estimate> {
         None
     }
-    /// Amplitude of what the estimate leaves unexplained of the deformation beside white noise, rad; 0 where the method does
-    /// not know it.
+    /// Amplitude of the part of the deformation, rad, that is neither explained by the estimate nor white
+    /// noise; 0 where the method does not know it.
     fn unexplained(&self) -> f64 {
         0.0
     }
-    /// Forgets every sample, to begin a new window.
+    /// Discards every sample, to begin a new window.
     fn restart(&mut self);
 }
 
@@ -102,17 +102,17 @@ pub struct EstimatorEntry {
     pub name: &'static str,
     /// Its description, in one sentence.
     pub summary: &'static str,
-    /// Whether its model holds while the motor side moves; where not, feed it from the start of
-    /// the free decay on.
+    /// Whether its model holds while the motor side moves. If not, it must be fed from the start of the free
+    /// decay on.
     pub uses_motion: bool,
-    /// Whether its standard deviations are those of its error, so that they can be acted on before
-    /// it has settled; else they are the spread of its recent estimates.
+    /// Whether its standard deviations are those of its error, so that they can be used before convergence. If
+    /// not, they are the spread of its recent estimates.
     pub states_error: bool,
-    /// Makes one; allocates all that it will ever need.
+    /// Builds an estimator; allocates all its memory.
     pub build: fn(&Settings) -> Box<dyn Estimator>,
 }
 
-/// Every estimator, the project's best first.
+/// All estimators, the best of this project first.
 pub const ESTIMATORS: &[EstimatorEntry] = &[
     EstimatorEntry {
         name: "likelihood",

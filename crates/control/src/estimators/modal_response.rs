@@ -8,7 +8,7 @@
 use nalgebra::Complex;
 use quell_shapers::Mode;
 
-/// Length of a [`ModalResponse::row`]: the columns below and a 0, because processors take two numbers at once.
+/// Length of a [`ModalResponse::row`]: the columns below and a 0, since processors handle pairs of numbers.
 pub const WIDTH: usize = 14;
 /// Index of `dq / d ln w`, followed by `dq / d xi`.
 pub const LINK: usize = 0;
@@ -29,7 +29,7 @@ pub const INPUT: usize = 11;
 /// Index of the measured deformation minus `q - u`.
 pub const RESIDUAL: usize = 12;
 
-/// The last stamps and inputs: what a parabola through three samples needs.
+/// The last stamps and inputs, as needed for a parabola through three samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Interval {
     /// Input at the interval's start.
@@ -47,8 +47,8 @@ pub struct Interval {
 impl Interval {
     /// Coefficients of the parabola `u0 + u1 tau + u2 tau^2` on this interval.
     ///
-    /// A line where the interval before is missing, or so unlike in length that the parabola would
-    /// extrapolate its noise.
+    /// A straight line if there is no interval before, or if the lengths differ so much that the parabola would
+    /// extrapolate noise.
     pub fn parabola(&self) -> [f64; 3] {
         parabola(self.start, self.bend(), self.step)
     }
@@ -185,7 +185,7 @@ impl ModalResponse {
         self.lambda_slopes
     }
 
-    /// Begins anew at rest: what vibrates now is left to the free columns.
+    /// Restarts at rest; the present vibration is left to the free columns.
     pub fn restart(&mut self) {
         let zero = Complex::new(0.0, 0.0);
         (self.state, self.sensitivity, self.free_slope) = (zero, zero, zero);
@@ -193,10 +193,10 @@ impl ModalResponse {
         self.time = 0.0;
     }
 
-    /// Moves over one interval of length `step` (s), the input on it [`Interval::parabola`].
+    /// Advances over one interval of length `step` (s) with the input [`Interval::parabola`].
     ///
-    /// The step's weights are computed again only where its length changes by more than 1e-6 of
-    /// itself (a thousandth of that phase error is left after a thousand steps).
+    /// The weights of the step are computed again only if its length changes by more than 1e-6 of itself. After
+    /// a thousand steps that causes a phase error of a thousandth of a step.
     #[inline]
     pub fn advance(&mut self, step: f64, parabola: &[f64; 3]) {
         if (step - self.weights.step).abs() > 1e-6 * self.weights.step {

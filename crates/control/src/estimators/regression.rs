@@ -1,13 +1,13 @@
-//! From the unknowns of eq. (4) to an estimate that settles and is then kept.
+//! From the unknowns of eq. (4) to an estimate that converges and is then frozen.
 
 use quell_shapers::Mode;
 
 use super::convergence::Convergence;
 use super::{Estimate, Settings};
 
-/// The estimate of a linear regression: kept once it has settled, since these estimates drift
-/// away again as the vibration sinks into the noise while the regressors' noise goes on adding up.
-/// Where the integrals begin anew after each of the settings' `memory` they do not, and the estimate
+/// The estimate of a linear regression. It is frozen once converged: later the vibration sinks into the noise
+/// while the regressors' noise goes on adding up, and the estimate would drift away. If the integrals restart
+/// after each `memory` of the settings, this does not happen, and the estimate continues.
 /// goes on.
 #[derive(Clone, Copy, Debug)]
 pub struct Settling {
@@ -30,7 +30,7 @@ impl Settling {
 
     /// Takes `alpha_1 = w^2`, `alpha_2 = 2 xi w` and a gain.
     ///
-    /// Solutions that are no vibratory mode in the range that is looked for are passed over.
+    /// Solutions that are no vibratory mode in the frequency range are skipped.
     pub fn push(&mut self, time: f64, stiffness: f64, damping: f64, gain: f64) {
         let w = stiffness.sqrt();
         if !(w >= self.range.0 && w <= self.range.1) {
@@ -60,25 +60,25 @@ impl Settling {
         self.estimate
     }
 
-    /// Whether the estimate has settled and is kept.
+    /// Whether the estimate has converged and is frozen.
     pub fn is_frozen(&self) -> bool {
         self.keeps && self.estimate.is_some_and(|estimate| estimate.converged)
     }
 
-    /// Forgets all estimates.
+    /// Discards all estimates.
     pub fn restart(&mut self) {
         self.convergence = Convergence::default();
         self.estimate = None;
     }
 }
 
-/// Variance of the deformation over that of its noise, above which it counts as vibrating.
+/// Ratio of the deformation's variance to that of its noise above which it counts as vibrating.
 ///
-/// Where noise makes up a tenth of a regression's columns it biases the unknowns by as much; noise
-/// alone always has some best unknowns.
+/// Noise that makes up a tenth of a regression's columns biases the unknowns by as much, and a regression on
+/// noise alone has a solution, too.
 const HEARD: f64 = 10.0;
 
-/// Tells a vibration from noise, sample by sample.
+/// Detects a vibration in noise, sample by sample.
 ///
 /// Third differences remove what is smooth and leave 20 times the variance of white noise
 /// (1 + 9 + 9 + 1).
@@ -108,8 +108,8 @@ impl Hearing {
         self.square += (deformation - self.origin).powi(2);
     }
 
-    /// Whether the variance so far is ten times that of the noise, given or seen (in 16 samples or
-    /// more: from fewer a variance is not known to a factor of ten).
+    /// Whether the variance so far is ten times that of the noise, given or estimated (from at least 16
+    /// samples: fewer do not determine a variance to a factor of ten).
     pub fn hears(&self, noise_std: Option<f64>) -> bool {
         if self.count < 16.0 {
             return false;

@@ -1,20 +1,20 @@
-//! Settings of an estimator, told before its first sample.
+//! Settings of an estimator, fixed before its first sample.
 
 use quell_shapers::Mode;
 
-/// Settings of an estimator, told before its first sample.
+/// Settings of an estimator, fixed before its first sample.
 ///
-/// Standard deviations here are of zero-mean Gaussian priors on what real sensors add; infinity
-/// leaves the quantity free.
+/// The standard deviations are those of zero-mean Gaussian priors on errors of real sensors; with infinity the
+/// quantity is free.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Nominal time between samples, s; sizes the buffers, the stamps rule.
     pub sample_time: f64,
     /// One standard deviation of the deformation's noise, rad; `None`: from the residual.
     pub noise_std: Option<f64>,
-    /// The engineer's belief; a start, never a constraint.
+    /// The engineer's belief; a start, not a constraint.
     pub belief: Option<Mode>,
-    /// Lowest and highest natural frequency that are looked for, rad/s.
+    /// Lowest and highest natural frequency in range, rad/s.
     pub frequency_range: (f64, f64),
     /// Constant offset of the deformation, rad; `None`: one standard deviation of the noise (the
     /// deformation was zeroed at rest on at least one sample). The regressions know no prior: they
@@ -25,10 +25,10 @@ pub struct Settings {
     pub scale_std: f64,
     /// Static gain `K`, deformation over motor-side position.
     pub gain_std: f64,
-    /// How long the known input is trusted to carry the vibration, s; infinity: for ever.
+    /// How long the simulated vibration may rely on the measured input, s; infinity: for ever.
     ///
-    /// A motor side that is measured coarsely, or a joint with more physics than the model, drives a
-    /// lightly damped mode away from the measured one. After each `memory` the vibration is
+    /// If the motor side is measured coarsely, or the joint has more physics than the model, a lightly damped
+    /// mode drifts away from the measured one. After each `memory` the vibration is
     /// therefore free again, while mode, offset, scale and gain stay common to all stretches
     /// (multiple shooting).
     pub memory: f64,
@@ -37,10 +37,10 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Settings around a belief: half to twice its frequency, a window of 40 of its periods.
+    /// Settings around a belief: frequencies from half to twice the believed one, a window of 40 of its
+    /// periods.
     ///
-    /// A scale known to 10 % (lever arm) and a gain of 0.05 (the paper's 0.02 lies within) are
-    /// left to the data.
+    /// The data estimate a scale known to 10 % (lever arm) and a gain of 0.05 (the paper's 0.02 lies within).
     pub fn around(belief: Mode, sample_time: f64) -> Self {
         let w = belief.natural_frequency();
         Self {

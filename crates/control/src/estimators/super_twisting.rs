@@ -21,10 +21,10 @@ const MARGIN: f64 = 0.01;
 const STEPS_A_PERIOD: f64 = 1000.0;
 /// Steps at most in one sample.
 const MOST_STEPS: f64 = 500.0;
-/// Time constant of the filter, over the expected period: 6 ms at 8 Hz, two samples of a tracker at
-/// 333 Hz. A faster one passes the chatter that a sample's length leaves, a slower one delays.
+/// Time constant of the filter, over the expected period: 6 ms at 8 Hz, two samples of a tracker at 333 Hz. A
+/// faster filter would pass the chatter at the sample rate, a slower one would add delay.
 const FILTER: f64 = 1.0 / 20.0;
-/// Time constants after which the filter has forgotten what came before (5 % and less).
+/// Time constants after which less than 5 % of the initial state is left.
 const FORGOTTEN: f64 = 3.0;
 
 /// The super-twisting estimator, for a free decay.
@@ -46,7 +46,7 @@ pub struct SuperTwisting {
     settling: Settling,
 }
 
-/// All that a restart forgets.
+/// State that a restart discards.
 #[derive(Clone, Copy, Debug, Default)]
 struct State {
     last: Option<Sample>,
@@ -101,7 +101,7 @@ impl SuperTwisting {
         FILTER * core::f64::consts::TAU * 1.25 / self.bound
     }
 
-    /// Adds the equation `v_f' = -a1 x_f - a2 v_f` at the last sample, which counts for a step (s).
+    /// Adds the equation `v_f' = -a1 x_f - a2 v_f` at the last sample, weighted by a step (s).
     fn equate(&mut self, step: f64) {
         let tau = self.time_constant();
         let state = &mut self.state;
@@ -149,7 +149,7 @@ impl SuperTwisting {
 }
 
 impl State {
-    /// Takes the first sample: the observer begins where it is.
+    /// Takes the first sample, at which the observer starts.
     fn begin_with(&mut self, sample: Sample) {
         self.hearing.push(sample.deformation);
         self.begin = sample.time;

@@ -1,8 +1,9 @@
-//! What a move left of the vibration, and what it would have left unshaped, by all modes that it showed.
+//! Amplitude of the vibration after a move, measured, and as it would have been without shaping.
 //!
-//! Both are measured alike: the amplitude over a period of the slowest mode, `sqrt(2)` times the standard deviation of the
-//! deformation, where nothing accelerates. What was left is measured on the sensor's samples. What the same plan would have left
-//! is measured on the response of the fitted modes to it ([`super::response`]), their frequencies along the way included.
+//! Both are defined alike: the amplitude over a period of the slowest mode, `sqrt(2)` times the standard
+//! deviation of the deformation, where nothing accelerates. The measured one comes from the sensor's samples.
+//! The unshaped one comes from the response of the fitted modes to the same plan ([`super::response`]),
+//! including the change of their frequencies along the way.
 
 use core::f64::consts::TAU;
 
@@ -13,9 +14,9 @@ use super::point::Point;
 use super::response::columns;
 use crate::estimators::Sample;
 
-/// Samples of a period below which there is no amplitude: unknowns are mean and amplitude.
+/// Fewest samples of a period for an amplitude: the unknowns are mean and amplitude.
 const FEWEST: usize = 4;
-/// Change of a tick's increment that is rounding of positions, rad.
+/// Change of a tick's increment, rad, that may be rounding of positions.
 const STEADY: f64 = 1e-12;
 
 /// A move as it was planned and measured.
@@ -29,7 +30,7 @@ pub struct Seen<'a> {
     pub cruise: &'a [Vec<(f64, f64)>],
     /// The same after the command had come to rest and the motor side had followed.
     pub after: &'a [(f64, f64)],
-    /// Time in which the motor side follows, s.
+    /// Time in which the motor side reaches the command, s.
     pub follows: f64,
 }
 
@@ -40,15 +41,16 @@ pub struct Account {
     pub left: Option<f64>,
     /// The largest, in cruise and after its end.
     pub vibration: Option<f64>,
-    /// After its end, had it been unshaped.
+    /// After its end, without shaping.
     pub unshaped: f64,
-    /// The largest, had it been unshaped.
+    /// The largest one, without shaping.
     pub unshaped_vibration: f64,
-    /// One standard deviation of both, by how well shares and frequencies are known, and by what the modes do not explain.
+    /// One standard deviation of both, from the uncertainty of shares and frequencies and from the unexplained
+    /// part.
     pub unshaped_std: f64,
 }
 
-/// A move that its modes explain.
+/// A move with the fit of its modes.
 #[derive(Clone, Debug)]
 pub struct Explained {
     pub(super) fit: Fit,
@@ -59,7 +61,7 @@ impl Explained {
     /// The account of a move.
     pub fn account(&self, seen: &Seen<'_>) -> Account {
         let period = self.slowest_period();
-        // White noise is no vibration; what the modes do not explain is.
+        // White noise is no vibration; the part that the modes do not explain is.
         let noise = self.fit.variance - self.fit.unexplained();
         let left = window(seen.after, period).and_then(|seen| amplitude(seen, noise));
         let largest = seen
@@ -92,8 +94,8 @@ impl Explained {
         TAU / ends.fold(f64::INFINITY, f64::min)
     }
 
-    /// One standard deviation of what would have been left: of each mode's share and of its frequencies and damping, by sigma
-    /// points, and of what no mode explains.
+    /// One standard deviation of the unshaped vibration: by each mode's share, by its frequencies and damping
+    /// (sigma points), and by the unexplained part.
     fn doubt(&self, seen: &Seen<'_>, traces: &[Trace], centre: [f64; 2]) -> f64 {
         let period = self.slowest_period();
         let shares: Vec<f64> = self.fit.modes.iter().map(|mode| mode.share).collect();
@@ -114,7 +116,8 @@ impl Explained {
         variance.sqrt()
     }
 
-    /// The deformation of a mode of share 1 by the planned motion, and for a period of the slowest mode after it.
+    /// The deformation of a mode of share 1 in the planned motion and for a period of the slowest mode after
+    /// it.
     fn response(&self, point: &Point, seen: &Seen<'_>) -> Trace {
         let followed = (seen.follows / seen.period).ceil() as usize;
         let rest = followed + (self.slowest_period() / seen.period).ceil() as usize + 2;
@@ -131,7 +134,7 @@ impl Explained {
             .collect();
         let log_w = |position| self.way.value(&point.log_w, position);
         let [across, ..] = columns(&samples, log_w, point.xi).of;
-        // What was left is looked at so much later, too.
+        // The measured amplitude is taken after this delay, too.
         let end = seen.planned.len() + followed;
         let at = |range: core::ops::Range<usize>| -> Vec<(f64, f64)> {
             range.map(|k| (samples[k].time, across[k])).collect()
@@ -183,7 +186,7 @@ fn measured(traces: &[Trace], shares: &[f64], period: f64) -> [f64; 2] {
     [end, cruise.fold(end, f64::max)]
 }
 
-/// Stretches of constant, other than no, velocity.
+/// Stretches of constant velocity other than 0.
 fn steady(planned: &[f64]) -> Vec<core::ops::Range<usize>> {
     let mut stretches: Vec<core::ops::Range<usize>> = Vec::new();
     for k in 2..planned.len() {
@@ -199,7 +202,7 @@ fn steady(planned: &[f64]) -> Vec<core::ops::Range<usize>> {
     stretches
 }
 
-/// The largest amplitude over any period of a stretch, looked at each half of it.
+/// The largest amplitude over any period of a stretch, in steps of half a period.
 fn largest(stretch: &[(f64, f64)], period: f64, noise: f64) -> Option<f64> {
     let (first, last) = (stretch.first()?.0, stretch.last()?.0);
     let halves = ((last - first) / (0.5 * period)) as usize;
@@ -215,13 +218,13 @@ fn largest(stretch: &[(f64, f64)], period: f64, noise: f64) -> Option<f64> {
 fn window(stretch: &[(f64, f64)], period: f64) -> Option<&[(f64, f64)]> {
     let (first, last) = (stretch.first()?.0, stretch.last()?.0);
     let end = stretch.partition_point(|(time, _)| *time <= first + period);
-    // A sample interval may be lacking.
+    // One sample interval may be missing.
     let interval = (last - first) / (stretch.len() - 1).max(1) as f64;
     (last - first + 2.0 * interval >= period).then(|| &stretch[..end])
 }
 
-/// `sqrt(2)` times the standard deviation of what is not white noise of this variance; 0 where two standard deviations of the
-/// noise's mean square, `noise sqrt(2 / n)`, explain it. None where there are too few samples.
+/// `sqrt(2)` times the standard deviation without white noise of this variance; 0 where two standard deviations
+/// of the noise's mean square, `noise sqrt(2 / n)`, explain it. None where there are too few samples.
 pub fn amplitude(window: &[(f64, f64)], noise: f64) -> Option<f64> {
     if window.len() < FEWEST {
         return None;

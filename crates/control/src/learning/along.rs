@@ -1,4 +1,4 @@
-//! Several modes in the midst of a move: what its samples up to now say of them, and the train to go on with.
+//! Several modes during a move: their fit to the samples so far, and the train to go on with.
 
 use super::forecast::{Expected, Forecast};
 use super::listening::{FEWEST, in_order};
@@ -10,10 +10,12 @@ use quell_shapers::GridTrain;
 use quell_trajectories::SampledTrajectory;
 
 impl Learner {
-    /// The train to go on with in a move whose train was not solved for it, from its samples up to now; nothing is remembered.
+    /// The train to go on with in a move whose train was not solved for it, from its samples so far; nothing is
+    /// stored.
     ///
-    /// None where they show fewer than two modes: one is followed at the tick. None, too, where the modes leave more unexplained
-    /// than the train in force leaves of them: another one would take less away than is not understood.
+    /// `None` where the samples show fewer than two modes: one mode is handled at the tick. Also `None` if the
+    /// modes leave more unexplained than the train in force leaves of them: another train would remove less
+    /// than the unexplained part.
     pub fn along(
         &self,
         heard: &[Sample],

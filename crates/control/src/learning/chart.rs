@@ -1,4 +1,4 @@
-//! The maps of a learner over the pose, to be looked at.
+//! The maps of a learner over the pose, for display.
 
 use super::Learner;
 use super::Surroundings;
@@ -9,11 +9,11 @@ use super::path::{NODES, Way};
 /// A mode over the pose of its joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModeChart {
-    /// Along the positions that were asked for.
+    /// Values at the requested positions.
     pub curve: Vec<Charted>,
     /// Damping ratio, and its standard deviation, in the middle.
     pub damping: [f64; 2],
-    /// What each move said, on the average of its way.
+    /// The estimate of each move, averaged over its way.
     pub moves: Vec<Spoken>,
 }
 
@@ -28,19 +28,19 @@ pub struct Charted {
     pub std: f64,
 }
 
-/// What a move said.
+/// The estimate of one move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spoken {
-    /// From where to where, rad.
+    /// Start and end, rad.
     pub way: [f64; 2],
     /// Payload, kg.
     pub payload: f64,
-    /// The average, at the position for which it holds.
+    /// The average, at the position to which it belongs.
     pub average: Charted,
 }
 
 impl Learner {
-    /// Each mode at these positions (rad), the other joints where they now end.
+    /// Each mode at these positions (rad), with the other joints at the end of their present ways.
     pub fn chart(&self, positions: &[f64], surroundings: &Surroundings) -> Vec<ModeChart> {
         let others: Vec<f64> = surroundings
             .others
@@ -58,7 +58,7 @@ impl Learner {
 
 fn chart(mode: &ModeMap, positions: &[f64], place: impl Fn(f64) -> Place) -> ModeChart {
     let mut curve = Vec::with_capacity(positions.len());
-    // A map is asked at as many places as a way has nodes.
+    // The map is evaluated at as many places as a way has nodes.
     for few in positions.chunks(NODES) {
         let at = |n: usize| few[n.min(few.len() - 1)];
         let known = mode.prior(&core::array::from_fn(|n| place(at(n)))).log_w;
@@ -89,7 +89,8 @@ fn chart(mode: &ModeMap, positions: &[f64], place: impl Fn(f64) -> Place) -> Mod
     }
 }
 
-/// The inertia that a block says on the average: `c = 1'e / 1'L1`, which holds at `x'L1 / 1'L1`; none where it says nothing.
+/// The average inertia of a block: `c = 1'e / 1'L1`, which belongs to the position `x'L1 / 1'L1`; none where
+/// its precision is zero.
 fn spoken(mode: &ModeMap, block: &Block) -> Option<Spoken> {
     let weights = block.precision.column_sum();
     let all = weights.sum();

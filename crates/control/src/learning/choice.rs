@@ -1,4 +1,4 @@
-//! The choice of a train: that in force, that of no adaptation, or one that is solved for the way.
+//! The choice of a train: the one in force, the one without adaptation, or one that is solved for the way.
 
 use quell_shapers::GridTrain;
 
@@ -7,11 +7,11 @@ use super::forecast::{Expected, Forecast};
 
 /// Lengths of the trains that are tried, quarters of the slowest mode's period.
 const QUARTERS: std::ops::RangeInclusive<usize> = 2..=8;
-/// Part of the dead band that is expected to be left, so that two standard deviations stay within it.
+/// Expected residual as a part of the dead band, so that two standard deviations stay within it.
 const GOAL: f64 = 0.5;
 
 impl Learner {
-    /// A train that is expected to leave less than that in force, or none; and what is left then.
+    /// A train with a lower expected residual than the one in force, or none, and the expected residual.
     pub(super) fn choose(
         &self,
         forecast: &Forecast<'_>,
@@ -35,7 +35,7 @@ impl Learner {
                 continue;
             };
             let expected = left.by(&train);
-            // Longer must be worth it: a tenth less.
+            // A longer train must leave a tenth less.
             if best.as_ref().is_none_or(|best| expected < 0.9 * best.1) {
                 best = Some((train, expected));
             }
@@ -43,7 +43,7 @@ impl Learner {
                 break;
             }
         }
-        // That of no adaptation is there, too: it does for what is hardly known.
+        // The train without adaptation is a candidate, too: it suits poorly known modes.
         let base = self.left_by(forecast, &self.settings.base);
         if best.as_ref().is_none_or(|best| base < 1.1 * best.1) {
             best = Some((self.settings.base.clone(), base));
@@ -63,7 +63,8 @@ impl Learner {
         forecast.left_of(&[train]).by(train)
     }
 
-    /// Whether another train leaves less than that in force by more than is not worth a change, or as little with less delay.
+    /// Whether another train leaves less than the one in force by more than the dead band, or as little with
+    /// less delay.
     fn is_worth(
         &self,
         [now, expected]: [f64; 2],

@@ -6,16 +6,17 @@ use std::sync::Arc;
 /// From the position of the joint (rad), those of the others (rad), and the payload (kg) to an inertia, kg m^2.
 type Function = dyn Fn(f64, &[f64], f64) -> f64 + Send + Sync;
 
-/// Inertia of all that a joint carries, about its axis, over pose and payload.
+/// Inertia of everything that a joint carries, about its axis, over pose and payload.
 ///
-/// Of a rigid body on a spring `w^2 = k / J`: with the spring of the lowest mode constant, its frequency follows `J`. The map of that
-/// mode is then one of what is left, `c = J / J_described`, which is one number where the description is right.
+/// A rigid body on a spring has `w^2 = k / J`: with a constant spring the frequency of the lowest mode follows
+/// `J`. The map of that mode then only holds the rest, `c = J / J_described`, which is constant if the
+/// description is right.
 #[derive(Clone)]
 pub struct Inertia(Arc<Function>);
 
 impl Inertia {
-    /// From a function of the joint's position (rad), the positions of the others (rad) and the payload (kg); what is not finite and above 0
-    /// counts as not known.
+    /// An inertia from a function of the joint's position (rad), the positions of the others (rad) and the
+    /// payload (kg). Values that are not finite and above 0 count as unknown.
     pub fn new(function: impl Fn(f64, &[f64], f64) -> f64 + Send + Sync + 'static) -> Self {
         Self(Arc::new(function))
     }

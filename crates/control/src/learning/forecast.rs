@@ -1,12 +1,13 @@
-//! What a train will leave of a move, and the train that leaves least.
+//! The residual vibration that a train will leave of a move, and the train of least residual.
 //!
-//! Along the way of a move the frequency of a mode is a function of time, `w(q(t))`. What the acceleration `a` of the plan,
-//! delayed by `tau`, leaves of it is `h(tau) = sum_k g(t_k + tau) a_k dt`, `g(s)` the state at the end from an impulse at
-//! `s`, computed backwards from the end. A train leaves `sum A_i h(tau_i)`: linear in its amplitudes, however the frequency
-//! changes, so that one train for the whole way is a convex problem.
+//! Along the way of a move the frequency of a mode is a function of time, `w(q(t))`. The acceleration `a` of
+//! the plan, delayed by `tau`, leaves `h(tau) = sum_k g(t_k + tau) a_k dt`, where `g(s)` is the state at the
+//! end after an impulse at `s`, computed backwards from the end. A train leaves `sum A_i h(tau_i)`: linear in
+//! its amplitudes however the frequency changes, so that the best train for the whole way is a convex problem.
 //!
-//! Expected over what is known of the modes (the sigma points of frequency along the way and damping), and over the halves of
-//! the move, in which it speeds up and slows down: they must not be meant to cancel each other.
+//! The expectation is over the uncertainty of the modes (sigma points of frequency along the way and damping).
+//! The two halves of the move, speeding up and slowing down, count separately, since the train must not rely on
+//! their cancellation.
 //!
 //! The train is one for the whole move, solved before it. Trains that change with the configuration while the robot moves are
 //! the subject of US 11,648,666 B2, and are not made here.
@@ -24,10 +25,10 @@ use super::simplex::least_on_simplex;
 
 /// Instants at which an impulse may lie.
 const INSTANTS: usize = 64;
-/// Shares of a command that leave less than a hundredth of a thousandth even all together.
+/// Shares of a command that are negligible: all together leave less than 1e-5.
 const NEGLIGIBLE: f64 = 1e-7;
 
-/// A mode on the way of a move, as well as it is known.
+/// A mode on the way of a move, with its uncertainty.
 #[derive(Clone, Copy, Debug)]
 pub struct Expected {
     /// Its mean.
@@ -39,7 +40,8 @@ pub struct Expected {
 }
 
 impl Expected {
-    /// The mode of any one place of the way: one frequency, as uncertain as it is and as it changes along the way.
+    /// The mode at any one place of the way: one frequency, whose uncertainty includes the change along the
+    /// way.
     pub fn anywhere(&self) -> Self {
         let nodes = NODES as f64;
         let middle = self.point.log_w.iter().sum::<f64>() / nodes;
@@ -61,7 +63,8 @@ impl Expected {
         }
     }
 
-    /// The mean, and points two standard deviations away in each principal direction: their covariance is that of the mode.
+    /// The mean, and points two standard deviations away in each principal direction, which have the covariance
+    /// of the mode.
     pub fn sigma_points(&self) -> Vec<Point> {
         let eigen = self.covariance.symmetric_eigen();
         let reach = (OF_A_MODE as f64).sqrt();
@@ -88,11 +91,11 @@ pub struct Forecast<'a> {
     plan: &'a SampledTrajectory,
     way: Way,
     modes: &'a [Expected],
-    /// The tick at which the plan is fastest: before it speeds up, then it slows down.
+    /// The tick of greatest speed: the plan speeds up before it and slows down after it.
     turn: usize,
 }
 
-/// What some delays leave: one row for each part, one column for each delay.
+/// Residuals of some delays: one row for each part, one column for each delay.
 pub struct Left {
     rows: DMatrix<f64>,
     /// The delays, ticks, from 0 upwards.
@@ -101,7 +104,7 @@ pub struct Left {
 }
 
 impl<'a> Forecast<'a> {
-    /// Of a plan of one axis.
+    /// A forecast for a plan of one axis.
     pub fn new(plan: &'a SampledTrajectory, way: Way, modes: &'a [Expected]) -> Self {
         let speeds = plan.velocities(0).iter().map(|v| v.abs());
         let turn = speeds
@@ -118,12 +121,12 @@ impl<'a> Forecast<'a> {
         }
     }
 
-    /// The same of the move as a whole, in which halves may cancel each other: what will be measured.
+    /// The same for the move as a whole, whose halves may cancel: this is what will be measured.
     pub fn whole(self) -> Self {
         Self { turn: 0, ..self }
     }
 
-    /// What trains as long as `longest` ticks may be made of leaves.
+    /// Residuals for trains up to `longest` ticks.
     pub fn left(&self, longest: usize) -> Left {
         let count = longest.clamp(1, INSTANTS - 1);
         let mut delays: Vec<usize> = (0..=count).map(|k| k * longest / count).collect();
@@ -131,7 +134,7 @@ impl<'a> Forecast<'a> {
         self.left_at(delays)
     }
 
-    /// What the impulses of trains leave.
+    /// Residuals at the impulses of these trains.
     pub fn left_of(&self, trains: &[&GridTrain]) -> Left {
         let taps = trains.iter().flat_map(|train| train.taps());
         let mut delays: Vec<usize> = taps.map(|tap| tap.delay as usize).chain([0]).collect();
@@ -140,7 +143,7 @@ impl<'a> Forecast<'a> {
         self.left_at(delays)
     }
 
-    /// What delays leave, the last of which is the longest, in the pose in which a train of that length has the arm.
+    /// Residuals of delays, the last of which is the longest, in the pose at the end of a train of that length.
     fn left_at(&self, delays: Vec<usize>) -> Left {
         let parts: Vec<Vec<[f64; 2]>> = self
             .modes
@@ -165,7 +168,7 @@ impl<'a> Forecast<'a> {
         }
     }
 
-    /// For each half of the move, the state that each delay leaves, weighed.
+    /// For each half of the move, the weighted state that each delay leaves.
     fn of_a_point(&self, point: &Point, weight: f64, delays: &[usize]) -> [Vec<[f64; 2]>; 2] {
         let longest = delays.last().copied().unwrap_or(0);
         let period = self.plan.period();
@@ -177,7 +180,7 @@ impl<'a> Forecast<'a> {
         };
         let end_w = point.log_w[NODES - 1].exp();
         let root = (1.0 - point.xi * point.xi).sqrt();
-        // Position and velocity at the end to the two parts of an amplitude.
+        // Converts position and velocity at the end to the two parts of an amplitude.
         let amplitude = |x: f64, v: f64| [x, (v + point.xi * end_w * x) / (end_w * root)];
         let mut answers = vec![[0.0; 2]; ticks + 1];
         let mut whole = [[1.0, 0.0], [0.0, 1.0]];
@@ -193,7 +196,7 @@ impl<'a> Forecast<'a> {
             });
         }
         let accelerations = self.plan.accelerations(0);
-        // Where the first half ends it has not decayed yet.
+        // At the end of the first half it has not decayed yet.
         let undo = (point.xi * end_w * period * (positions.len() - self.turn) as f64).exp();
         let halves = [(0..self.turn, undo), (self.turn..positions.len(), 1.0)];
         halves.map(|(half, factor)| {
@@ -211,7 +214,7 @@ impl<'a> Forecast<'a> {
         })
     }
 
-    /// Each mode's share of what the plan leaves unshaped.
+    /// Each mode's share of the unshaped vibration.
     pub fn contributions(&self) -> Vec<f64> {
         let each = self.modes.iter().map(|mode| {
             let one = [*mode];
@@ -231,7 +234,7 @@ impl<'a> Forecast<'a> {
 }
 
 impl Left {
-    /// The share of the unshaped vibration that a train of these delays leaves, expected.
+    /// The expected share of the unshaped vibration that a train of these delays leaves.
     pub fn by(&self, train: &GridTrain) -> f64 {
         let mut sum = nalgebra::DVector::zeros(self.rows.nrows());
         for tap in train.taps() {
@@ -242,12 +245,12 @@ impl Left {
         sum.norm() / self.unshaped.max(f64::MIN_POSITIVE)
     }
 
-    /// What the plan leaves unshaped, rad.
+    /// The unshaped vibration, rad.
     pub fn unshaped(&self) -> f64 {
         self.unshaped
     }
 
-    /// The train of positive impulses at these delays that leaves least.
+    /// The train of positive impulses at these delays with the least residual.
     ///
     /// # Errors
     /// [`ShaperError`] where the period is none.

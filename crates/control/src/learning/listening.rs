@@ -1,4 +1,4 @@
-//! From the samples of a move to what it says of the modes.
+//! The fit of modes to the samples of a move.
 
 use super::fit::{Fit, Problem};
 use super::forecast::{Expected, Forecast};
@@ -11,15 +11,16 @@ use super::{Explained, Learner, Pending, Surroundings, order};
 use crate::estimators::Sample;
 use quell_trajectories::SampledTrajectory;
 
-/// Samples of a move from which something is learned: more than twice the unknowns of three modes.
+/// Fewest samples of a move for a fit: more than twice the unknowns of three modes.
 pub(super) const FEWEST: usize = 64;
-/// What a move left unexplained counts by half as much with each move after it.
+/// Factor by which the weight of a move's unexplained part falls with each later move.
 const FORGETS: f64 = 0.5;
-/// Inflation by the residual's colour up to which it is as good as white: a correlation of neighbours of 0.2.
+/// Largest inflation by the residual's colour that counts as white: a correlation of neighbours of 0.2.
 const COLOURED: f64 = 1.5;
 
 impl Learner {
-    /// Takes the samples of a move, from its start until it has rung out, and its plan. Says nothing where too little vibrates.
+    /// Learns from the samples of a move, from its start until it has rung out, and its plan. `None` where too
+    /// little vibrates.
     pub fn learn(
         &mut self,
         heard: &[Sample],
@@ -42,12 +43,14 @@ impl Learner {
             return None;
         };
         if !are_theirs {
-            // The arm is another one than the map's, or was never one of modes: what was learned is of no use.
+            // The arm has changed since the map was learned, or is not described by modes: the old map is of no
+            // use.
             self.modes.clear();
         }
         for (k, fitted) in fit.modes.iter().enumerate() {
             if k == self.modes.len() {
-                // The spring of the lowest mode is the joint's; how others follow the inertia no description says.
+                // The spring of the lowest mode is the joint's. No description says how the other modes follow
+                // the inertia.
                 let log_w = fitted.point.log_w[1];
                 let lowest = fit.modes.iter().all(|other| other.point.log_w[1] >= log_w);
                 self.modes
@@ -62,12 +65,12 @@ impl Learner {
         Some(Explained { fit, way })
     }
 
-    /// The move that was prescribed for is not made, or is another one.
+    /// Cancels the prescription: its move is not made, or is another one.
     pub fn withdraw(&mut self) {
         self.pending = None;
     }
 
-    /// The fit of a move, and whether it is one of the modes that are known.
+    /// The fit of a move, and whether its modes are the known ones.
     pub(super) fn explain(
         &self,
         samples: &[Sample],
@@ -85,14 +88,15 @@ impl Learner {
             [] => None,
             priors => fit(priors).filter(|found| self.is_theirs(found)),
         };
-        // White noise is all that is left, and no mode had to be added: nothing else can explain it better.
+        // Only white noise is left, and no mode had to be added: no other fit can be better.
         let is_enough = |fit: &Fit| fit.inflation <= COLOURED && fit.modes.len() == priors.len();
         if known.as_ref().is_some_and(is_enough) {
             return known.map(|fit| (fit, true));
         }
         let anew = fit(&[]);
         match (known, anew) {
-            // The map stays unless the samples exclude it, or fewer modes say the same: one that has moved is not another one.
+            // The map stays unless the samples exclude it, or fewer modes explain them as well. A mode that has
+            // shifted is still the same mode.
             (Some(known), Some(anew)) => {
                 let fewer = anew.modes.len() < known.modes.len();
                 let as_good = fewer && !order::excludes(&known, &anew, samples);
@@ -106,7 +110,7 @@ impl Learner {
         }
     }
 
-    /// Whether the modes of a fit are those of the map, and still modes.
+    /// Whether the modes of a fit are those of the map, and still oscillate.
     fn is_theirs(&self, fit: &Fit) -> bool {
         let theirs = self.modes.iter().zip(&fit.modes);
         (0..fit.modes.len()).all(|k| order::rings(fit, k))
@@ -115,7 +119,7 @@ impl Learner {
                 .any(|(map, fitted)| map.is_surprised(fitted))
     }
 
-    /// Holds what the move left against what it would have left otherwise.
+    /// Compares the residual of a move with that of the other train.
     fn watch(
         &mut self,
         pending: Option<Pending>,

@@ -1,15 +1,14 @@
-//! A quantity over pose and payload: a Gaussian process of what moves have said.
+//! A quantity over pose and payload: a Gaussian process fitted to moves.
 //!
 //! Of a rigid body on a spring `1 / w^2 = J / k`, and `J` is a trigonometric polynomial of second order in the
 //! joint positions, linear in the mass of a payload. The process is therefore one of `c = w_ref^2 / w^2`, with
 //! ```text
 //! k(x, x') = level^2 + pose^2 g(x, x') + load^2 m m' (1 + g(x, x')) / 2,   g = exp(-|q - q'|^2 / (2 l^2))
 //! ```
-//! `m` is the mass over the largest that was declared so far, of a watchmaker's arm as of a crane. How much it adds is
-//! what moves with a payload say: the process is linear in it.
+//! `m` is the mass over the largest declared so far, so that the unit suits any arm. Its effect is learned from
+//! moves with a payload: the process is linear in it.
 //!
-//! What a move says is a block of information, precision `L` and vector `e`, at the nodes of its way:
-//! `mean* = m + K* (1 + L K)^-1 (e - L m)`, `cov* = K** - K* (1 + L K)^-1 L K*'`.
+//! The result of a move is a block of information, precision `L` and vector `e`, at the nodes of its way:
 //!
 //! Source: C. E. Rasmussen, C. K. I. Williams, Gaussian Processes for Machine Learning, 2006, ch. 2.
 
@@ -18,12 +17,13 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use super::described::Inertia;
 use super::path::NODES;
 
-/// Moves that are remembered; the oldest goes.
+/// Number of moves that are remembered; the oldest is dropped.
 const REMEMBERED: usize = 40;
-/// Length over which a pose tells of another, rad: a trigonometric polynomial of second order has waves of pi and more.
+/// Correlation length over the pose, rad: a trigonometric polynomial of second order has wavelengths of pi and
+/// more.
 const LENGTH: f64 = 1.0;
 
-/// A pose and what is carried there.
+/// A pose and its payload.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
     /// Position of the joint, rad.
@@ -37,7 +37,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// A place, with what a description says of it.
+    /// A place, with the inertia of a description there.
     pub fn new(position: f64, others: Vec<f64>, payload: f64, inertia: Option<&Inertia>) -> Self {
         Self {
             described: inertia.map_or(0.0, |inertia| inertia.log(position, &others, payload)),
@@ -48,7 +48,7 @@ impl Place {
     }
 }
 
-/// Standard deviations of a quantity before any move.
+/// Prior of a quantity: its mean and standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Mean.
@@ -57,7 +57,7 @@ pub struct Spread {
     pub level: f64,
     /// Over the pose.
     pub pose: f64,
-    /// By how much the largest payload that was declared raises it: mean, and standard deviation.
+    /// Increase by the largest declared payload: mean, and standard deviation.
     pub load: (f64, f64),
 }
 
@@ -70,7 +70,7 @@ pub struct Predicted {
     pub covariance: SMatrix<f64, NODES, NODES>,
 }
 
-/// What one move said.
+/// The result of one move.
 #[derive(Clone, Debug)]
 pub struct Block {
     /// The nodes of its way.
@@ -89,7 +89,7 @@ pub struct Map {
 }
 
 impl Map {
-    /// A map that knows nothing yet.
+    /// A map without data.
     pub fn new(spread: Spread) -> Self {
         Self {
             spread,
@@ -97,7 +97,7 @@ impl Map {
         }
     }
 
-    /// Adds what a move said.
+    /// Adds the result of a move.
     pub fn add(&mut self, block: Block) {
         if self.blocks.len() == REMEMBERED {
             self.blocks.remove(0);
@@ -105,12 +105,12 @@ impl Map {
         self.blocks.push(block);
     }
 
-    /// What moves said, the oldest first.
+    /// Results of moves, the oldest first.
     pub fn blocks(&self) -> &[Block] {
         &self.blocks
     }
 
-    /// Moves that it remembers.
+    /// Number of moves in the map.
     pub fn moves(&self) -> usize {
         self.blocks.len()
     }
@@ -122,7 +122,7 @@ impl Map {
         payloads.fold(0.0, f64::max)
     }
 
-    /// Of two places, payloads over the `largest`.
+    /// Covariance of two places; payloads are relative to the `largest`.
     fn kernel(&self, a: &Place, b: &Place, largest: f64) -> f64 {
         let Spread {
             level, pose, load, ..
@@ -136,13 +136,13 @@ impl Map {
             + load.1 * load.1 * share(a, largest) * share(b, largest) * 0.5 * (1.0 + near)
     }
 
-    /// What is believed before any move.
+    /// Prior mean.
     fn mean(&self, places: &[Place; NODES], largest: f64) -> SVector<f64, NODES> {
         let Spread { mean, load, .. } = self.spread;
         SVector::from_fn(|n, _| mean + load.0 * share(&places[n], largest))
     }
 
-    /// What is known of the quantity at the nodes of a way.
+    /// Posterior of the quantity at the nodes of a way.
     pub fn predict(&self, places: &[Place; NODES]) -> Predicted {
         let largest = self.largest(places);
         let own = SMatrix::from_fn(|i, j| self.kernel(&places[i], &places[j], largest));
@@ -182,7 +182,7 @@ impl Map {
     }
 }
 
-/// A payload over the largest; none is none.
+/// A payload relative to the largest; 0 without any.
 fn share(place: &Place, largest: f64) -> f64 {
     match largest > 0.0 {
         true => place.payload / largest,

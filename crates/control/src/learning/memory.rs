@@ -1,4 +1,4 @@
-//! The knowledge of a learner as plain numbers, to be kept.
+//! The knowledge of a learner as plain numbers, for storage.
 
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
@@ -10,10 +10,10 @@ use super::monitor::Monitor;
 use super::order::MOST;
 use super::path::{NODES, Way};
 
-/// Payload that older files count by, kg.
+/// Reference payload of older files, kg.
 const OLDER: f64 = 60.0;
 
-/// All that a learner knows.
+/// The knowledge of a learner.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
     /// The modes, in the order in which they were found.
@@ -34,24 +34,24 @@ pub struct ModeMemory {
     pub natural_frequency: f64,
     /// Its share of the deformation: precision, and precision times mean.
     pub share: [f64; 2],
-    /// Whether the inertia is that over a description's.
+    /// Whether the inertia is relative to that of a description.
     #[serde(default)]
     pub described: bool,
-    /// What moves said of it, the oldest first.
+    /// Results of moves, the oldest first.
     pub moves: Vec<MoveMemory>,
 }
 
-/// What a move said of a mode.
+/// The result of a move for one mode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MoveMemory {
-    /// From where to where, rad.
+    /// Start and end, rad.
     pub way: [f64; 2],
     /// Those of the other joints meanwhile, rad.
     pub others: Vec<[f64; 2]>,
     /// Payload, kg.
     #[serde(default)]
     pub payload_kg: f64,
-    /// The same over [`OLDER`], as older files have it.
+    /// The payload relative to [`OLDER`], as in older files.
     #[serde(default, rename = "payload", skip_serializing)]
     pub older_payload: f64,
     /// `ln J` of a description at the nodes; 0 without one.
@@ -66,7 +66,7 @@ pub struct MoveMemory {
 }
 
 impl Learner {
-    /// All that it knows.
+    /// All that the learner knows.
     pub fn memory(&self) -> Memory {
         let Monitor {
             base,
@@ -82,7 +82,7 @@ impl Learner {
         }
     }
 
-    /// Takes what was kept in the place of what it knows. Takes nothing, and says so, of what is no such knowledge.
+    /// Replaces the knowledge by a stored one. Returns false and changes nothing if it is not valid.
     pub fn remember(&mut self, memory: &Memory) -> bool {
         let modes: Option<Vec<ModeMap>> = memory.modes.iter().map(ModeMemory::map).collect();
         let others = [&memory.unexplained, &memory.variance];
@@ -93,7 +93,7 @@ impl Learner {
         };
         self.forget();
         let inertia = self.settings.inertia.as_ref();
-        // Before there was a description none was followed.
+        // Knowledge from before a description does not follow it yet.
         let new = inertia.is_some() && !modes.iter().any(|mode| mode.is_described);
         let lowest = modes.iter().map(|mode| mode.reference);
         let lowest = lowest.fold(f64::INFINITY, f64::min);
@@ -160,7 +160,7 @@ impl MoveMemory {
         }
     }
 
-    /// Blocks of inertia and damping; none where a number is none, or a precision is negative.
+    /// Blocks of inertia and damping; none where a number is not finite, or a precision is negative.
     fn blocks(&self) -> Option<(Block, Block)> {
         let numbers = self
             .precision

@@ -1,11 +1,12 @@
-//! What moves teach of a joint: its modes, how many they are, and how they follow pose and payload; and the train for
-//! the next move. Off the tick: it allocates, and takes milliseconds.
+//! Learning from moves: the modes of a joint, their number, and their change with pose and payload; and the
+//! train for the next move. It runs off the tick: it allocates, and takes milliseconds.
 //!
-//! After each move [`Learner::learn`] fits a sum of modes to it ([`fit`]), as many as there is evidence for ([`order`]), and keeps
-//! what it says in a map of each mode ([`mode_map`]). Before a move [`Learner::prescribe`] forecasts what trains leave of it
-//! ([`forecast`]): that in force, that of the belief, and the one solved for the way. The train in force is kept unless another
-//! is expected to leave less; [`monitor`] holds the expectation against what moves have left. In the midst of a move for which none
-//! was solved, as the first, [`Learner::along`] does both with the samples up to then.
+//! After each move [`Learner::learn`] fits a sum of modes to it ([`fit`]), as many as there is evidence for
+//! ([`order`]), and adds the result to a map of each mode ([`mode_map`]). Before a move [`Learner::prescribe`]
+//! forecasts the residual of three trains ([`forecast`]): the one in force, that of the belief, and the one
+//! solved for the way. The train in force is kept unless another is expected to leave less; [`monitor`]
+//! compares the expectation with measured residuals. During a move without a solved train, such as the first
+//! one, [`Learner::along`] does both with the samples so far.
 
 mod account;
 mod along;
@@ -46,29 +47,29 @@ pub use self::prescription::{Hold, ModeOnWay, Prescription};
 pub struct LearnerSettings {
     /// The mode that the engineer believes in.
     pub belief: Mode,
-    /// Natural frequencies that are looked for, rad/s.
+    /// Natural frequencies in which modes are searched, rad/s.
     pub natural_frequency: [f64; 2],
-    /// Share of the unshaped vibration that is not worth a change.
+    /// Share of the unshaped vibration below which a change is not worth it.
     pub dead_band: f64,
     /// Longest train, s.
     pub longest_train: f64,
     /// The train that is in force without any adaptation.
     pub base: GridTrain,
-    /// What a robot's description says of the joint's inertia; without one, nothing is known of it.
+    /// The inertia of the joint from a robot's description; `None` if it is unknown.
     pub inertia: Option<Inertia>,
 }
 
-/// The rest of what there is along a way.
+/// Conditions of a move besides the joint's own way.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surroundings {
-    /// Ways of the other joints meanwhile; of one that stands from and to where it is.
+    /// Ways of the other joints during the move; a joint at rest has the same start and end.
     pub others: Vec<Way>,
     /// Payload as it was declared, kg.
     pub payload: f64,
 }
 
 impl Surroundings {
-    /// Of the only joint.
+    /// The surroundings of a single joint.
     pub fn carrying(payload: f64) -> Self {
         let others = Vec::new();
         Self { others, payload }
@@ -83,10 +84,10 @@ impl Surroundings {
     }
 }
 
-/// What was prescribed for the move under way.
+/// The prescription for the move under way.
 #[derive(Clone, Debug)]
 struct Pending {
-    /// The train that adaptation would have, in force or not.
+    /// The train with adaptation, in force or not.
     adapted: GridTrain,
     is_base: bool,
 }
@@ -103,7 +104,7 @@ pub struct Learner {
 }
 
 impl Learner {
-    /// A learner that knows nothing yet.
+    /// A learner without knowledge.
     pub fn new(settings: LearnerSettings) -> Self {
         Self {
             settings,
@@ -114,17 +115,17 @@ impl Learner {
         }
     }
 
-    /// Modes that it knows.
+    /// Number of known modes.
     pub fn modes(&self) -> usize {
         self.modes.len()
     }
 
-    /// From now on this is the train without any adaptation.
+    /// Sets the train without adaptation.
     pub fn set_base(&mut self, base: GridTrain) {
         self.settings.base = base;
     }
 
-    /// Forgets all that it has learned.
+    /// Discards all knowledge.
     pub fn forget(&mut self) {
         self.modes.clear();
         self.monitor = Monitor::default();

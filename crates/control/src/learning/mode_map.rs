@@ -1,5 +1,5 @@
-//! A mode over pose and payload: its frequency as an inertia (of the lowest mode over that of a robot's description), its damping, its
-//! share.
+//! A mode over pose and payload: its frequency as an inertia (for the lowest mode relative to that of a robot's
+//! description), its damping, its share.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -10,40 +10,42 @@ use super::map::{Block, Map, Place, Predicted, Spread};
 use super::path::NODES;
 use super::point::{OF_A_MODE, Prior};
 
-/// The inertia over that of the first move: its level is known from there on; over a radian an arm folds to half of it, and
-/// the largest payload adds something: at two standard deviations nothing, or as much as the arm has.
+/// Inertia relative to that of the first move, which fixes its level. An arm that folds over a radian changes
+/// it by half. The largest payload adds, within two standard deviations, between nothing and as much as the arm
+/// has.
 const INERTIA: Spread = Spread {
     mean: 1.0,
     level: 0.5,
     pose: 0.4,
     load: (0.5, 0.25),
 };
-/// The inertia over that of a description: the same, but for what a description does not know, and the payload that it does.
+/// Inertia relative to that of a description: the same, except for the payload, which the description already
+/// includes.
 const DESCRIBED: Spread = Spread {
     load: (0.0, 0.25),
     ..INERTIA
 };
-/// Damping ratios: a few hundredths; they follow the frequency, but little.
+/// Damping ratios: a few hundredths; they vary little with pose and payload.
 const DAMPING: Spread = Spread {
     mean: 0.05,
     level: 0.1,
     pose: 0.01,
     load: (0.0, 0.01),
 };
-/// Least inertia, over that of the first move: a frequency 4.5 times as high.
+/// Least inertia relative to that of the first move: a frequency 4.5 times as high.
 const LEAST: f64 = 0.05;
-/// What the parabola between the nodes, and a mode that is not quite linear, leave of `ln w` and of `xi`: a train is off by
-/// less than a third of the dead band of 1 % there.
+/// Errors of `ln w` and `xi` by the interpolation between nodes and by a slightly nonlinear mode: a train then
+/// leaves less than a third of the dead band of 1 %.
 const UNSEEN: f64 = 0.002;
 /// Chi-squared of four unknowns that chance exceeds once in a thousand times.
 const SURPRISE: f64 = 18.5;
 
-/// A mode that moves have shown.
+/// A mode that was seen in moves.
 #[derive(Clone, Debug)]
 pub struct ModeMap {
-    /// `ln w` of which the inertia is 1.
+    /// `ln w` at an inertia of 1.
     pub(super) reference: f64,
-    /// Whether the inertia is that over a description's.
+    /// Whether the inertia is relative to a description's.
     pub(super) is_described: bool,
     pub(super) inertia: Map,
     pub(super) damping: Map,
@@ -52,7 +54,7 @@ pub struct ModeMap {
 }
 
 impl ModeMap {
-    /// Of a mode that was found at this `ln w`.
+    /// A mode that was found at this `ln w`.
     pub fn new(reference: f64) -> Self {
         Self {
             reference,
@@ -63,12 +65,12 @@ impl ModeMap {
         }
     }
 
-    /// Of a mode that was found at this `ln w` at a place, and follows what a description says.
+    /// A mode that was found at this `ln w` at a place, and follows a description.
     pub fn described(log_w: f64, place: &Place) -> Self {
         Self::of_described(log_w + 0.5 * place.described)
     }
 
-    /// The same, whose `ln w` at an inertia of 1 over the description's and a description of 1 kg m^2 is this.
+    /// The same; `reference` is its `ln w` where the relative inertia is 1 and the description's is 1 kg m^2.
     pub fn of_described(reference: f64) -> Self {
         Self {
             is_described: true,
@@ -77,7 +79,7 @@ impl ModeMap {
         }
     }
 
-    /// What moves have said, over what a description says now: it may be another one than it was then, or none.
+    /// The map relative to the present description, which may be another one than before, or none.
     ///
     /// `c d` stays what it was, times one factor, with which `c` stays near 1: `c' = c exp(ln d - ln d' + s)`, `s` the mean of
     /// `ln d' - ln d`, and `ln w_ref' = ln w_ref + s / 2`.
@@ -116,7 +118,7 @@ impl ModeMap {
         }
     }
 
-    /// `ln J` of the description, where it counts.
+    /// `ln J` of the description; 0 if the mode does not follow it.
     pub fn described_at(&self, places: &[Place; NODES]) -> SVector<f64, NODES> {
         SVector::from_fn(|n, _| match self.is_described {
             true => places[n].described,
@@ -124,12 +126,12 @@ impl ModeMap {
         })
     }
 
-    /// Moves that tell of it.
+    /// Number of moves with this mode.
     pub fn moves(&self) -> usize {
         self.inertia.moves()
     }
 
-    /// What is known of it on a way.
+    /// Its prior on a way.
     pub fn prior(&self, places: &[Place; NODES]) -> Prior {
         let damping = self.damping.predict(places);
         Prior {
@@ -141,11 +143,12 @@ impl ModeMap {
         }
     }
 
-    /// Of an inertia `c` of mean `m` and variance `v`, over that of a description `d`, the natural frequency,
-    /// `ln w = ln w_ref - ln(c d) / 2`.
+    /// The natural frequency from an inertia `c` of mean `m` and variance `v`, relative to that of a
+    /// description `d`: `ln w = ln w_ref - ln(c d) / 2`.
     ///
-    /// An inertia is positive: it is taken for log-normal, `var ln c = ln(1 + v / m^2)`, and its mean for its standard deviation at
-    /// least. Where the map goes on towards none, as far from what it has seen, next to nothing is known of the frequency.
+    /// An inertia is positive: it is taken for log-normal, `var ln c = ln(1 + v / m^2)`, with a mean of at
+    /// least its standard deviation. Far from the data, where the map tends to 0, the frequency is then almost
+    /// unknown.
     fn log_w(&self, c: &Predicted, places: &[Place; NODES]) -> Predicted {
         let std = c.covariance.diagonal().map(|v| v.max(0.0).sqrt());
         let mean = c.mean.zip_map(&std, |m, std| m.max(std).max(LEAST));
@@ -163,7 +166,7 @@ impl ModeMap {
         }
     }
 
-    /// The same for a forecast, with what no map knows.
+    /// The same for a forecast, with the errors of the map itself.
     pub fn expected(&self, places: &[Place; NODES]) -> Expected {
         let prior = self.prior(places);
         let mut covariance = SMatrix::<f64, OF_A_MODE, OF_A_MODE>::zeros();
@@ -178,11 +181,11 @@ impl ModeMap {
         }
     }
 
-    /// Takes what a move says.
+    /// Adds the result of a move.
     pub fn learn(&mut self, fitted: &Fitted, places: &[Place; NODES]) {
         let mean = fitted.point.vector();
         let information = fitted.information;
-        // Where the sum of both is least, what the samples pull is what the prior pulls back.
+        // At the optimum the gradients of data and prior cancel.
         let pull = fitted.prior.precision() * (mean - fitted.prior.mean());
         let coarse = (SMatrix::<f64, OF_A_MODE, OF_A_MODE>::identity()
             + information * (UNSEEN * UNSEEN))
@@ -203,7 +206,7 @@ impl ModeMap {
         });
         let share = fitted.share_std.powi(-2);
         if share.is_finite() {
-            // The newest counts as much as all before: the share follows the pose, too.
+            // The newest move counts as much as all before: the share changes with the pose, too.
             let [sum, weighed] = self.share;
             let before = sum.min(share);
             let factor = if sum > 0.0 { before / sum } else { 0.0 };
@@ -232,7 +235,7 @@ impl ModeMap {
         });
     }
 
-    /// Whether a move is nothing that the map could expect: the arm has changed.
+    /// Whether a fit contradicts the map: the arm has changed.
     pub fn is_surprised(&self, fitted: &Fitted) -> bool {
         if self.moves() == 0 {
             return false;

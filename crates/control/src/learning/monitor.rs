@@ -1,8 +1,9 @@
-//! Whether what was learned leaves less than no adaptation.
+//! Whether adaptation leaves less vibration than the train without it.
 //!
-//! Of each move there is what it left, and what the other train would have left, by the model that was fitted to that very
-//! move. The sums of both, older moves discounted, say which of the two is followed: the rule of following the leader. What was
-//! left is measured beside the noise of the sensor: a difference that this explains decides nothing.
+//! For each move the residual of the train in force is measured, and that of the other train is predicted by
+//! the model fitted to the same move. The discounted sums over the moves decide which of the two is followed:
+//! the rule "follow the leader". The measured residual contains sensor noise: a difference within that noise
+//! decides nothing.
 //!
 //! Source: N. Cesa-Bianchi, G. Lugosi, Prediction, Learning, and Games, 2006, ch. 2 and 3.
 
@@ -11,22 +12,23 @@ use super::fit::Fit;
 use super::path::NODES;
 use crate::estimators::Sample;
 
-/// Weight of a move against the one after it: some three moves count.
+/// Factor of a move's weight with each later move: about three moves count.
 const DISCOUNT: f64 = 0.7;
-/// Standard deviations of the noise within which the motor side stands. Its fast motion shows in the deformation as itself, as the link
-/// does not follow it, and would be taken for vibration. A step of an encoder that makes all of the noise is `sqrt(12)` of them.
+/// Standard deviations of the noise within which the motor side counts as standing. The link does not follow
+/// fast motion of the motor side, so that it appears in the deformation and would be taken for vibration. If
+/// the noise is the rounding of an encoder, its step is `sqrt(12)` of them.
 const STANDS: f64 = 3.5;
 /// Standard deviations of a difference that chance does not explain.
 const CERTAIN: f64 = 2.0;
 
-/// Shares of the unshaped vibration of one move.
+/// Residuals of one move as shares of its unshaped vibration.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
     /// Without adaptation.
     pub base: f64,
     /// With it.
     pub adapted: f64,
-    /// One standard deviation of the one that was measured.
+    /// One standard deviation of the measured one.
     pub std: f64,
 }
 
@@ -41,7 +43,7 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// Takes a move. One counts for no more than the whole vibration.
+    /// Adds a move. A residual counts as at most the whole vibration.
     pub fn take(&mut self, outcome: Outcome) {
         let Outcome { base, adapted, std } = outcome;
         if !(base.is_finite() && adapted.is_finite() && std.is_finite()) {
@@ -53,19 +55,20 @@ impl Monitor {
         self.variance = DISCOUNT * DISCOUNT * self.variance + std.min(1.0).powi(2);
     }
 
-    /// Whether adaptation has left more, by more than the dead band and than the noise explains.
+    /// Whether adaptation has left more, by more than the dead band and the noise.
     pub fn prefers_base(&self, dead_band: f64) -> bool {
         let chance = CERTAIN * self.variance.sqrt();
         self.adapted > self.base + dead_band * self.weight + chance
     }
 }
 
-/// Amplitude of what rings once the motor side stands, over the slowest mode's first period there, and one standard deviation of it, rad.
+/// Amplitude of the vibration after the motor side has come to rest, over the slowest mode's first period, and
+/// one standard deviation of it, rad.
 pub fn ringing(samples: &[Sample], fit: &Fit) -> (f64, f64) {
     let Some(last) = samples.last() else {
         return (0.0, 0.0);
     };
-    // White noise is no vibration; what the model does not explain is.
+    // White noise is no vibration; the unexplained part of the model is.
     let noise = fit.variance / fit.inflation;
     let reach = STANDS * noise.sqrt();
     let away = |s: &Sample| (s.motor_position - last.motor_position).abs() > reach;
@@ -78,7 +81,7 @@ pub fn ringing(samples: &[Sample], fit: &Fit) -> (f64, f64) {
         .filter(|(s, r)| s.time <= from + period && r.is_finite())
         .map(|(s, _)| s)
         .collect();
-    // What it still moves by is no vibration of the link, either.
+    // Remaining motion of the motor side is no vibration of the link either.
     let n = seen.len().max(1) as f64;
     let mean = seen.iter().map(|s| s.motor_position).sum::<f64>() / n;
     let moved = seen.iter().map(|s| (s.motor_position - mean).powi(2));
@@ -88,8 +91,8 @@ pub fn ringing(samples: &[Sample], fit: &Fit) -> (f64, f64) {
     (left, doubt(left, noise, seen.len()))
 }
 
-/// One standard deviation of an amplitude `a` that was measured over `n` samples beside white noise of this variance: its square has
-/// that of twice the mean square, `2 sqrt(2 s^4 / n + 2 a^2 s^2 / n)`.
+/// One standard deviation of an amplitude `a` measured over `n` samples with white noise of this variance. Its
+/// square has the standard deviation of twice the mean square, `2 sqrt(2 s^4 / n + 2 a^2 s^2 / n)`.
 fn doubt(amplitude: f64, noise: f64, n: usize) -> f64 {
     let square = amplitude * amplitude;
     let std = 2.0 * (2.0 * noise * (noise + square) / n.max(1) as f64).sqrt();

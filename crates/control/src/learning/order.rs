@@ -1,4 +1,4 @@
-//! How many modes a move shows: one more as long as the likelihood ratio excludes that there is none.
+//! The number of modes in a move: a further mode is added as long as the likelihood ratio excludes its absence.
 
 use super::fit::{Fit, Problem};
 use super::map::Predicted;
@@ -7,29 +7,29 @@ use super::point::{Point, Prior};
 use crate::estimators::Sample;
 use nalgebra::{SMatrix, SVector};
 
-/// Modes that are learned, and shaped for.
+/// Most modes that are learned and shaped for.
 pub const MOST: usize = 3;
 /// Ratio of neighbouring frequencies of the grid: four periods resolve an eighth.
 const RATIO: f64 = 1.07;
 /// Damping ratio of the grid's modes.
 const DAMPING: f64 = 0.03;
-/// Starts of a further mode.
+/// Number of starts for a further mode.
 const STARTS: usize = 2;
-/// Odds against chance: a process of frequencies and dampings goes beyond 30 once in thousands of moves (module
-/// `two_mode_likelihood`).
+/// Threshold of the likelihood ratio: the maximum over frequencies and dampings exceeds 30 by chance once in
+/// thousands of moves (module `two_mode_likelihood`).
 const CHANCE: f64 = 30.0;
-/// A sum of squares of which a quarter is left is one of half of the amplitude.
+/// Share of the sum of squares that is left if half of the amplitude is explained.
 const MOST_OF: f64 = 0.25;
 /// Unknowns of a mode.
 const UNKNOWNS: f64 = 8.0;
-/// Standard deviation of `ln w` above which a mode is of no use: two of them are the half width of what ZVD holds.
+/// Standard deviation of `ln w` above which a mode is not useful: two of them are the half width of ZVD's
+/// insensitivity.
 const USEFUL: f64 = 0.08;
-/// Damping ratio above which nothing rings twice.
+/// Damping ratio above which there is no oscillation.
 const RINGS: f64 = 0.35;
-/// Part of the deformation that is not worth a train: the dead band.
+/// Part of the deformation that needs no train: the dead band.
 const WORTH: f64 = 0.01;
-/// Prior of `ln w` of a mode that nothing is known of: of its level, and over the pose for what the map then says of a
-/// radian (a quarter of the inertia's).
+/// Prior of `ln w` of an unknown mode: of its level, and over the pose per radian (a quarter of the inertia's).
 const LEVEL: f64 = 0.3;
 const POSE: f64 = 0.2;
 
@@ -48,10 +48,10 @@ pub fn open_prior(log_w: f64, way: &[f64; NODES], damping: f64) -> Prior {
     }
 }
 
-/// Fits the modes that are known, and as many more as there is evidence for.
+/// Fits the known modes, and as many more as there is evidence for.
 ///
-/// Of two strong modes the one that is left out colours what the other leaves, so that one alone is no evidence: two are looked
-/// at even where one is not enough, and three.
+/// If two modes are strong, the one that is left out colours the residual, so that the other alone is no
+/// evidence. So two and three modes are tried even where one is not evident.
 pub fn explain(samples: &[Sample], problem: &mut Problem<'_>, known: &[Prior]) -> Option<Fit> {
     let mut accepted = match known {
         [] => None,
@@ -91,25 +91,26 @@ pub fn excludes(better: &Fit, worse: &Fit, samples: &[Sample]) -> bool {
     evidence > CHANCE + more * UNKNOWNS * independent(better).max(1.0).ln()
 }
 
-/// Samples of a fit that are as good as independent.
+/// Number of independent samples of a fit.
 fn independent(fit: &Fit) -> f64 {
     fit.samples / fit.inflation
 }
 
-/// Of a fit to what leaves `square` of the same samples. What is not worth a train is as good as noise.
+/// Log likelihood ratio of a fit against a model with sum of squares `square` of the same samples. Motion below
+/// the dead band counts as noise.
 fn log_likelihood_ratio(fit: &Fit, square: f64, negligible: f64) -> f64 {
     let floor = negligible * fit.samples;
     independent(fit) * ((square + floor) / (fit.square + floor)).ln()
 }
 
-/// Whether no further mode could be evident: it leaves the white part of the residual at least.
+/// Whether no further mode can be evident: at best it leaves the white part of the residual.
 fn is_all(fit: &Fit, negligible: f64) -> bool {
     let (all, white) = (fit.variance, fit.variance - fit.unexplained());
     let gain = fit.samples * ((all + negligible) / (white + negligible)).ln();
     gain < CHANCE + UNKNOWNS * fit.samples.max(1.0).ln()
 }
 
-/// Mean square of what is not worth a train: the part [`WORTH`] of the deformation's.
+/// Mean square of motion that needs no train: the part [`WORTH`] of the deformation.
 fn negligible(samples: &[Sample]) -> f64 {
     let n = samples.len() as f64;
     let mean = samples.iter().map(|s| s.deformation).sum::<f64>() / n;
@@ -121,7 +122,7 @@ fn negligible(samples: &[Sample]) -> f64 {
     WORTH * WORTH * square
 }
 
-/// The fit with one mode more, wherever that explains most.
+/// The fit with one more mode at the best of its starts.
 fn one_more(samples: &[Sample], problem: &mut Problem<'_>, fit: Option<&Fit>) -> Option<Fit> {
     let present: Vec<Point> = fit.map_or(vec![], |f| f.modes.iter().map(|m| m.point).collect());
     let priors: Vec<Prior> = fit.map_or(vec![], |f| f.modes.iter().map(|m| m.prior).collect());
@@ -143,7 +144,7 @@ fn one_more(samples: &[Sample], problem: &mut Problem<'_>, fit: Option<&Fit>) ->
     best
 }
 
-/// Whether a fit excludes that its modes after the first `before` are none, and they ring.
+/// Whether the modes after the first `before` are evident and oscillate.
 fn is_evident(found: &Fit, before: usize, without: f64, negligible: f64) -> bool {
     let more = found.modes.len() - before;
     let needed = more as f64 * (CHANCE + UNKNOWNS * independent(found).max(1.0).ln());
@@ -151,16 +152,16 @@ fn is_evident(found: &Fit, before: usize, without: f64, negligible: f64) -> bool
         && (before..found.modes.len()).all(|k| rings(found, k))
 }
 
-/// Whether one mode rings, and explains most of what moves: there is one, then, however coloured what it leaves. What that is
-/// counts when a train is chosen.
+/// Whether one mode oscillates and explains most of the motion: then there is one, however coloured the
+/// residual. The residual counts when a train is chosen.
 fn is_most(found: &Fit, without: f64) -> bool {
     found.modes.len() == 1 && found.square < MOST_OF * without && rings(found, 0)
 }
 
-/// Whether a mode is known well enough to be of use, rings, and is none of the others.
+/// Whether a mode is useful: known well enough, oscillating, and different from the others.
 ///
-/// A fit that stops at the edge of the range follows something else, as play does at the lower one, and the standard deviation
-/// there is not that of its error.
+/// A fit at the edge of the frequency range follows something else (backlash at the lower edge), and its
+/// standard deviation there is not that of its error.
 pub fn rings(found: &Fit, k: usize) -> bool {
     let end = NODES - 1;
     let mode = &found.modes[k];
@@ -175,12 +176,12 @@ pub fn rings(found: &Fit, k: usize) -> bool {
     inside && std(end) < USEFUL && mode.point.xi + 2.0 * std(NODES) < RINGS && apart
 }
 
-/// Frequencies at which a further mode explains most, the best first.
+/// The best frequencies for a further mode, the best first.
 fn starts(samples: &[Sample], problem: &Problem<'_>, present: &[Point]) -> Vec<f64> {
     let (low, high) = problem.range;
     let duration = samples[samples.len() - 1].time - samples[0].time;
     let rate = (samples.len() - 1) as f64 / duration.max(f64::MIN_POSITIVE);
-    // Eight samples a period: the parabola between them then misses less than a hundredth.
+    // With eight samples per period the parabola between them is accurate to a hundredth.
     let high = high.min((core::f64::consts::TAU * rate / 8.0).ln());
     let count = ((high - low) / RATIO.ln()).ceil().max(1.0) as usize;
     let left: Vec<(f64, f64)> = (0..=count)

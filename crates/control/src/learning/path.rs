@@ -2,12 +2,12 @@
 
 use quell_trajectories::SampledTrajectory;
 
-/// Points of a way at which the map is asked: a cubic goes through them.
+/// Number of points of a way at which the map is evaluated: a cubic goes through them.
 pub const NODES: usize = 4;
-/// Below this length the pose is one and the same, rad.
+/// Length below which the pose counts as constant, rad.
 const SHORT: f64 = 1e-3;
 
-/// From the first position to the last.
+/// A way from the first position to the last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Way {
     from: f64,
@@ -27,7 +27,7 @@ impl Way {
         Self::new(end(positions.first()), end(positions.last()))
     }
 
-    /// From start to end, evenly, rad.
+    /// Evenly spaced positions from start to end, rad.
     pub fn nodes(&self) -> [f64; NODES] {
         let step = (self.to - self.from) / (NODES - 1) as f64;
         core::array::from_fn(|n| self.from + step * n as f64)
@@ -39,7 +39,7 @@ impl Way {
         if length.abs() < SHORT {
             return values[NODES - 1];
         }
-        // A little beyond the ends, as far as a motor side overshoots.
+        // A little beyond the ends, for an overshoot of the motor side.
         let s = ((position - self.from) / length).clamp(-0.1, 1.1) * (NODES - 1) as f64;
         let basis = |n: usize| -> f64 {
             let others = (0..NODES).filter(|m| *m != n);

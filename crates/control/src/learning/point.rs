@@ -1,4 +1,4 @@
-//! Mode at a move: the unknowns that do not enter linearly, and what is believed of them.
+//! A mode in a move: the nonlinear unknowns, and their prior.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -8,7 +8,7 @@ use super::path::NODES;
 /// Unknowns of a mode that do not enter linearly: `ln w` at the nodes, and `xi`.
 pub const OF_A_MODE: usize = NODES + 1;
 
-/// Mode at a move: where it is, or is believed.
+/// A mode in a move, fitted or believed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// `ln w` at the nodes.
@@ -37,7 +37,7 @@ pub struct Prior {
 }
 
 impl Prior {
-    /// Where it is believed to be.
+    /// Its mean.
     pub fn point(&self) -> Point {
         Point {
             log_w: self.log_w.mean.into(),
@@ -53,7 +53,7 @@ impl Prior {
     /// Inverse covariance.
     pub fn precision(&self) -> SMatrix<f64, OF_A_MODE, OF_A_MODE> {
         let mut precision = SMatrix::<f64, OF_A_MODE, OF_A_MODE>::zeros();
-        // A trace of a node of its own keeps the matrix regular where all nodes are one place.
+        // An independent variance for each node keeps the matrix regular if all nodes are at one place.
         let jitter = SMatrix::from_diagonal_element(1e-8);
         let inverse = (self.log_w.covariance + jitter).try_inverse();
         let inverse = inverse.unwrap_or_else(|| SMatrix::from_diagonal_element(1e8));

@@ -1,4 +1,4 @@
-//! The train for the next way, of what is known of the modes there.
+//! The train for the next way, from the known modes.
 
 use nalgebra::{SMatrix, SVector};
 use quell_shapers::{GridTrain, Mode, UncertainMode};
@@ -14,7 +14,7 @@ use super::{Learner, Pending, Surroundings};
 const BELIEF: (f64, f64) = (0.125, 0.5);
 
 impl Learner {
-    /// The train for a plan of the joint, beside that in force.
+    /// The train for a plan of the joint, compared with the one in force.
     pub fn prescribe(
         &mut self,
         plan: &SampledTrajectory,
@@ -25,7 +25,8 @@ impl Learner {
         self.prescribe_for(plan, &expected, in_force)
     }
 
-    /// The same for a plan that may be stopped anywhere on its way, as a jog: the train does for the modes wherever they are on it.
+    /// The same for a plan that may be stopped anywhere on its way, such as a jog: the train suits the modes at
+    /// any place of the way.
     pub fn prescribe_anywhere(
         &mut self,
         plan: &SampledTrajectory,
@@ -85,14 +86,14 @@ impl Learner {
         prescription
     }
 
-    /// The modes that are known on the way of a plan.
+    /// The known modes on the way of a plan.
     pub fn on_way(&self, plan: &SampledTrajectory, surroundings: &Surroundings) -> Vec<ModeOnWay> {
         let expected = self.expected(plan, surroundings);
         self.modes_on_way(plan, Way::of(plan), &expected)
     }
 
-    /// What the modes leave unexplained: as large as it was, of a mode of which nothing but the belief is known. A train that
-    /// does well for the modes, but gives up the belief, is taken only for what they do explain.
+    /// The unexplained vibration as a pseudo-mode: of the same size, with only the belief as knowledge. A train
+    /// that suits the modes but not the belief is thus chosen only for the part that the modes do explain.
     fn unknown(&self, modes: &[Expected]) -> Expected {
         let belief = self.settings.belief;
         let (xi, square) = (belief.damping_ratio(), |x: f64| x * x);
@@ -159,7 +160,7 @@ impl Learner {
         let logs = first.modes.map(|mode| mode.natural_frequency().ln());
         let range = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max)
             - logs.iter().copied().fold(f64::INFINITY, f64::min);
-        // A train for the middle is off by half of it, and leaves pi/2 of that at most.
+        // A train for the middle is off by half of the range at the ends, and leaves at most pi/2 of that.
         let left = std::f64::consts::FRAC_PI_4 * range;
         let pose = (left > self.settings.dead_band).then_some(Hold::Pose);
         pose.or(unexplained)

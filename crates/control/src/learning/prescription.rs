@@ -1,17 +1,17 @@
-//! What is in force for a move, and why.
+//! The train of a move, and the reason for it.
 
 use quell_shapers::{GridTrain, Mode, UncertainMode};
 
 use super::path::NODES;
 
-/// Why the train is not followed in motion as that of one mode that stays.
+/// Why the train is not adapted in motion as that of one constant mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
     /// The joint has several modes.
     SeveralModes,
     /// The mode changes along the way by more than the dead band.
     Pose,
-    /// What was learned left more than no adaptation would have.
+    /// Adaptation has left more than the train without it would have.
     Worse,
     /// The modes leave more of the vibration unexplained than the dead band.
     Unexplained,
@@ -28,7 +28,7 @@ impl Hold {
         }
     }
 
-    /// What the train is solved for in place of one mode that stays.
+    /// The target of the train, in place of one constant mode.
     pub fn reason(self) -> &'static str {
         match self {
             Self::SeveralModes => "several modes",
@@ -42,13 +42,13 @@ impl Hold {
 /// A mode on the way of the next move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModeOnWay {
-    /// From start to end, evenly.
+    /// The mode at evenly spaced nodes from start to end.
     pub modes: [Mode; NODES],
-    /// How well the one in the middle is known.
+    /// Uncertainty of the one in the middle.
     pub known: UncertainMode,
-    /// Its part of what the move leaves unshaped.
+    /// Its share of the unshaped vibration of the move.
     pub contribution: f64,
-    /// Whether it is shaped for: not where shaping excites less of it than is worth a change.
+    /// Whether it is shaped for: not if its share is below the dead band.
     pub shaped: bool,
 }
 
@@ -60,7 +60,7 @@ impl ModeOnWay {
             .max_by(|a, b| a.contribution.total_cmp(&b.contribution))
     }
 
-    /// One mode whose two standard deviations reach over those of the mode wherever it is on the way.
+    /// One mode whose two standard deviations cover the mode at all places of the way.
     pub fn anywhere(&self) -> UncertainMode {
         let frequencies = self.modes.map(|mode| mode.natural_frequency());
         let least = frequencies.into_iter().fold(f64::INFINITY, f64::min);
@@ -74,17 +74,17 @@ impl ModeOnWay {
     }
 }
 
-/// What is in force for a move.
+/// The prescription for a move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prescription {
-    /// A train to be set; none keeps that in force.
+    /// A train to be set; `None` keeps the one in force.
     pub train: Option<GridTrain>,
     /// The mode that contributes most.
     pub known: Option<UncertainMode>,
     /// All modes.
     pub modes: Vec<ModeOnWay>,
-    /// Share of the unshaped vibration that is expected to be left; none where nothing is known.
+    /// Expected residual as a share of the unshaped vibration; `None` without known modes.
     pub expected: Option<f64>,
-    /// Why the train is not followed in motion.
+    /// Why the train is not adapted in motion.
     pub hold: Option<Hold>,
 }

@@ -4,12 +4,13 @@
 //! q'' + 2 xi w q' + w^2 q = w^2 u + 2 xi w u'     damper across the joint,    w = w(u(t))
 //! g'' + 2 xi w g' + w^2 g = w^2 u                 damper to ground
 //! ```
-//! Within a sample interval `w` is that of its middle and `u` a parabola, so that the step is exact: what is left of
-//! `q - q_p`, `q_p = u - u'' / w^2`, and of `g - g_p`, `g_p = u - (2 xi / w) u' + ((4 xi^2 - 1) / w^2) u''`, decays freely.
+//! Within a sample interval `w` is that of its middle and `u` a parabola. The step is then exact: the
+//! differences from the particular solutions, `q - q_p`, `q_p = u - u'' / w^2`, and `g - g_p`, `g_p = u - (2 xi
+//! / w) u' + ((4 xi^2 - 1) / w^2) u''`, decay freely.
 
 use crate::estimators::Sample;
 
-/// Columns of a mode at the samples: what the motor side drives, and what was there before.
+/// Columns of a mode at the samples: the driven response, and the free decay of the initial state.
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
     /// `q - u`; `g - q`; `q' / w_0`; free decays from a deflection of 1, and from a velocity of `w_0`.
@@ -51,7 +52,7 @@ fn bend(samples: &[Sample], k: usize) -> (f64, f64) {
     }
     let before = samples[k - 2];
     let step_before = a.time - before.time;
-    // A parabola over unlike intervals would extrapolate their noise.
+    // A parabola over intervals of different length would extrapolate noise.
     if !(0.25..=4.0).contains(&(step_before / step)) {
         return (chord, 0.0);
     }

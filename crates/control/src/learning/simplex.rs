@@ -1,16 +1,17 @@
-//! Least squares of positive numbers that add up to 1.
+//! Least squares with positive weights that add up to 1.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Exchanges at most, for each unknown.
+/// Most exchanges for each unknown.
 const ROUNDS: usize = 4;
-/// Share of the largest diagonal entry that is added to each: amplitudes a ten-thousandth apart are alike.
+/// Share of the largest diagonal entry that is added to each, so that amplitudes within 1e-4 count as equal.
 const RIDGE: f64 = 1e-8;
 
-/// `x >= 0`, `sum x = 1` of the least `x' H x`, `H` symmetric and not negative.
+/// The `x >= 0`, `sum x = 1` that minimises `x' H x`, for `H` symmetric and positive semidefinite.
 ///
-/// `x' H x + m (sum x - 1)^2` over `x >= 0` has its minimum at a multiple of it, whatever `m`, because the first term
-/// grows with the square of the multiple; so it is the problem of Lawson and Hanson, whose active set is found here.
+/// `x' H x + m (sum x - 1)^2` over `x >= 0` has its minimum at a multiple of it for any `m`, because the first
+/// term is quadratic in the multiple. So it is the problem of Lawson and Hanson, whose active-set method is
+/// used here.
 ///
 /// Source: C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, ch. 23.
 pub fn least_on_simplex(gram: &DMatrix<f64>) -> DVector<f64> {
@@ -39,7 +40,7 @@ pub fn least_on_simplex(gram: &DMatrix<f64>) -> DVector<f64> {
                     .for_each(|(&k, v)| x[k] = *v);
                 break;
             }
-            // As far towards it as nothing becomes negative; what is 0 then leaves.
+            // The step ends where a variable reaches 0; such variables leave the passive set.
             let reach = passive.iter().zip(inner.iter()).filter(|(_, v)| **v <= 0.0);
             let reach = reach
                 .map(|(&k, v)| x[k] / (x[k] - v).max(f64::MIN_POSITIVE))

@@ -1,4 +1,4 @@
-//! What is known of a joint's modes, and what may be left of them.
+//! The known modes of a joint, and the residual that is allowed.
 
 use quell_shapers::UncertainMode;
 use quell_trajectories::AxisProfile;
@@ -8,7 +8,7 @@ use super::{Moving, Tolerance};
 
 /// Standard deviations to each side of a box: 95 % of a Gaussian.
 const WITHIN: f64 = 2.0;
-/// Nodes over a box for each hump of what a motion leaves over the frequency, of which there is one for each Hz and second.
+/// Nodes over a box for each hump of the residual over frequency; there is one hump for each Hz and second.
 const PER_HUMP: f64 = 6.0;
 /// Most nodes over the frequency.
 const MOST: f64 = 49.0;
@@ -16,13 +16,13 @@ const MOST: f64 = 49.0;
 const FINER: usize = 4;
 /// Nodes over the damping ratio at an end of the frequency, where a motion is checked: there are no humps over it.
 const OVER_DAMPING: usize = 5;
-/// Damping ratio above which nothing rings.
+/// Damping ratio above which there is no oscillation.
 const HIGHEST_DAMPING: f64 = 0.99;
 
-/// The modes of a joint within their boxes, and what may be left of them.
+/// The modes of a joint within their boxes, and the residual that is allowed.
 pub struct Known {
     boxes: Vec<ModeBox>,
-    /// Amplitude that the unshaped move leaves, rad, and that is allowed.
+    /// Amplitude that the unshaped move leaves, rad, and the allowed one.
     pub unshaped: f64,
     pub allowed: f64,
     /// Distance of the tip from the axis, m.
@@ -37,7 +37,7 @@ struct ModeBox {
 }
 
 impl Known {
-    /// Of a joint whose path parameter goes as `full` where nothing is shaped.
+    /// The known modes of a joint; `full` is the unshaped course of its path parameter.
     pub fn new(joint: &Moving, full: &AxisProfile, tolerance: Tolerance) -> Self {
         let duration = full.phases().iter().map(|phase| phase.duration).sum();
         let mut known = Self {
@@ -57,7 +57,7 @@ impl Known {
         known
     }
 
-    /// Share of the unshaped vibration that is allowed; 1 of what does not ring.
+    /// The allowed share of the unshaped vibration; 1 without oscillation.
     pub fn share(&self) -> f64 {
         if self.unshaped > 0.0 {
             self.allowed / self.unshaped
@@ -95,7 +95,7 @@ impl ModeBox {
         let reach = WITHIN * known.natural_frequency_std;
         let rise = WITHIN * known.damping_ratio_std;
         Self {
-            // A frequency of 0 would be no mode.
+            // A frequency of 0 is no mode.
             frequency: [(frequency - reach).max(0.1 * frequency), frequency + reach],
             damping_ratio: [(ratio - rise).max(0.0), (ratio + rise).min(HIGHEST_DAMPING)],
         }
@@ -142,7 +142,7 @@ fn peak(values: impl Iterator<Item = f64>) -> f64 {
         .sqrt()
 }
 
-/// Evenly from one end to the other; one value where both are the same.
+/// Evenly spaced values from one end to the other; one value where both are the same.
 fn evenly([from, to]: [f64; 2], count: usize) -> impl Iterator<Item = f64> {
     let count = if to > from { count.max(2) } else { 1 };
     let step = (to - from) / (count - 1).max(1) as f64;

@@ -1,9 +1,11 @@
 //! The fastest move from rest to rest within a tolerance: of what vibrates after it, and of the path.
 //!
-//! - *Residual*: the largest amplitude that a mode keeps after the command has ended, over the largest that it keeps of the same move
-//!   unshaped, as fast as the limits allow. Both are the largest over the box of two standard deviations around the mode.
-//! - *Deviation*: a distance of the tip, m. The command never leaves the planned path, the straight line between start and target in
-//!   joint space, by more; and no vibration after the end is larger. A single joint cannot leave its path before the end.
+//! - *Residual*: the largest amplitude of a mode after the command has ended, relative to that of the same move
+//!   unshaped, as fast as the limits allow. Both are the largest over the box of two standard deviations around
+//!   the mode.
+//! - *Deviation*: a distance of the tip, m. It bounds the distance of the command from the planned path, the
+//!   straight line between start and target in joint space, and every vibration after the end. A single joint
+//!   cannot leave its path before the end.
 //!
 //! For each duration the motion that leaves least is a convex problem ([`program`]). The least duration is found by bisection. What is
 //! found is checked on its own: limits, end, residual along the edges of the boxes, path at every tick.
@@ -22,11 +24,11 @@ use self::search::Search;
 /// A joint that moves.
 #[derive(Clone, Debug)]
 pub struct Moving {
-    /// From where to where, rad; not the same.
+    /// Start and target, rad; they must differ.
     pub ends: [f64; 2],
     /// Its limits.
     pub limits: Limits,
-    /// Its modes, as well as they are known; none of a stiff joint.
+    /// Its modes with their uncertainty; none of a stiff joint.
     pub modes: Vec<UncertainMode>,
     /// Largest distance of the tip from its axis on the way, m.
     pub lever: f64,
@@ -38,12 +40,12 @@ impl Moving {
     }
 }
 
-/// What a move may leave, and how far it may leave its path. What is absent bounds nothing.
+/// Allowed residual of a move, and allowed deviation from its path. `None` is no bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tolerance {
     /// Share of the unshaped vibration, above 0.
     pub residual: Option<f64>,
-    /// Distance of the tip, m, above 0. Where it is absent several joints keep their path.
+    /// Distance of the tip, m, above 0. If it is absent, several joints keep their path.
     pub deviation: Option<f64>,
 }
 
@@ -52,23 +54,23 @@ pub struct Tolerance {
 pub struct Fastest {
     /// The motion of each joint at the control period; it is sent as it is, without a train.
     pub plans: Vec<SampledTrajectory>,
-    /// What it leaves at most.
+    /// Upper bounds of its residuals.
     pub bounds: Bounds,
 }
 
-/// The most that a move leaves, for modes anywhere in their boxes.
+/// Upper bounds of a move's residuals, for modes anywhere in their boxes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Largest share of its unshaped vibration that a joint keeps.
+    /// Largest residual of a joint, as a share of its unshaped vibration.
     pub residual: f64,
-    /// The largest amplitude that a joint keeps, at the tip, m.
+    /// The largest amplitude of a joint, at the tip, m.
     pub vibration: f64,
     /// Largest distance of the commanded tip from the path, m: the sum over the joints.
     pub departure: f64,
 }
 
 impl Fastest {
-    /// Until the command rests, s.
+    /// Time until the command rests, s.
     pub fn duration(&self) -> f64 {
         let one = self.plans.first();
         one.map_or(0.0, |plan| (plan.samples() - 1) as f64 * plan.period())
@@ -81,7 +83,7 @@ pub enum ToleranceError {
     /// It cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// A number of the tolerance is none.
+    /// A number of the tolerance is not valid.
     #[error("the {what} that is allowed is {value}, it must be finite and above 0")]
     Value {
         /// Residual or deviation.
@@ -95,12 +97,12 @@ pub enum ToleranceError {
         /// The joint among those that move.
         index: usize,
     },
-    /// Nothing that was tried leaves so little.
+    /// No tried move has a residual this small.
     #[error(
         "no move of up to {longest:.3} s leaves so little for modes that are known only so well"
     )]
     Unattainable {
-        /// Duration up to which it was looked for, s.
+        /// Longest duration that was tried, s.
         longest: f64,
     },
 }
@@ -123,7 +125,7 @@ pub fn fastest(
     let [shortest, longest] = search.range();
     let mut best = None;
     let (mut low, mut high) = (shortest, longest);
-    // The longest first: where that does not do, none does.
+    // The longest first: if that fails, all do.
     let mut ticks = longest;
     while high > low {
         match search.within(ticks) {
@@ -141,7 +143,7 @@ pub fn fastest(
     })
 }
 
-/// The share of the unshaped vibration that a train leaves of the plan at the limits, at most: for comparison.
+/// Largest share of the unshaped vibration that a train leaves of the plan at the limits, for comparison.
 ///
 /// # Errors
 /// [`ToleranceError`] as [`fastest`].

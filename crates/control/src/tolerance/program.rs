@@ -1,8 +1,9 @@
-//! The motion of a given duration that leaves least: a convex problem.
+//! The motion of a given duration with the least residual: a convex problem.
 //!
-//! The duration is cut into equal steps of constant jerk. Acceleration, velocity and position at their ends are linear in the
-//! jerks, and so is what is left of a mode. The least of the largest amplitude, under the limits, is a problem of
-//! second-order cones. Every train of positive impulses on every plan within the limits is one of its candidates.
+//! The duration is divided into equal steps of constant jerk. Acceleration, velocity and position at their ends
+//! are linear in the jerks, and so is the residual of a mode. Minimising the largest amplitude under the limits
+//! is a second-order cone problem. Every train of positive impulses on every plan within the limits is one of
+//! its candidates.
 //!
 //! Source: S. Boyd, L. Vandenberghe, Convex Optimization, 2004, ch. 4.4; P. J. Goulart, Y. Chen, Clarabel, 2024 (the solver).
 
@@ -25,7 +26,7 @@ pub struct Axis {
     pub distance: f64,
     /// Its limits.
     pub limits: Limits,
-    /// Modes of which least is to be left, and the weight of each.
+    /// Modes whose residual is minimised, and the weight of each.
     pub modes: Vec<(Swing, f64)>,
     /// Distance of the tip from the axis, m.
     pub lever: f64,
@@ -85,7 +86,7 @@ impl Columns {
 }
 
 impl Program<'_> {
-    /// Jerks of each axis, rad/s^3, that leave least in this duration (s). Whoever takes them checks what they do.
+    /// Jerks of each axis, rad/s^3, of least residual for this duration (s). The caller must check the result.
     pub fn solve(&self, duration: f64) -> Option<Vec<Vec<f64>>> {
         let step = duration / self.steps as f64;
         let columns: Vec<Columns> = self.columns();
@@ -181,7 +182,8 @@ impl Program<'_> {
             rows.add([(column, -1.0)], most);
         };
         (0..self.steps).for_each(|k| within(of.jerk(k), 1.0 - MARGIN));
-        // Within a step the velocity may be higher than at its ends, where the acceleration changes its sign: by j (h / 2)^2 / 2.
+        // Within a step, where the acceleration changes its sign, the velocity may exceed that at its ends by j
+        // (h / 2)^2 / 2.
         let peak = (1.0 - jerk * h * h / (8.0 * velocity)).max(0.5);
         for k in 1..self.steps {
             for (which, most) in [(0, 1.0 - MARGIN), (1, peak - MARGIN)] {
@@ -204,7 +206,7 @@ impl Program<'_> {
                     rows.add([(q, sign), (s, -sign), (away(index), -1.0)], 0.0);
                 }
             }
-            // Of what the axes may be aside, relative to their displacements.
+            // Possible departures of the axes, relative to their displacements.
             let reach = self
                 .axes
                 .iter()
@@ -237,7 +239,7 @@ impl Program<'_> {
     }
 }
 
-/// The point at which the variable `level` is least.
+/// The point of least `level`.
 fn least(rows: Rows, cones: &[SupportedConeT<f64>], level: usize) -> Option<Vec<f64>> {
     let Rows {
         at: [i, j],

@@ -1,4 +1,4 @@
-//! A move of a given number of ticks that a tolerance allows, if there is one.
+//! A move of a given number of ticks within a tolerance, if there is one.
 
 use quell_shapers::GridTrain;
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory, Trajectory};
@@ -9,17 +9,17 @@ use super::program::{Axis, Program};
 use super::swing::Swing;
 use super::{Bounds, Fastest, Moving, Tolerance, ToleranceError};
 
-/// Steps in a period of the fastest mode, and in the ramp of the acceleration at the limits. With 48 to 128 of them a problem takes
-/// 5 to 20 ms.
+/// Number of steps in a period of the fastest mode, and in the ramp of the acceleration at the limits. With 48
+/// to 128 steps a problem takes 5 to 20 ms.
 const PER_PERIOD: f64 = 12.0;
 const PER_RAMP: f64 = 3.0;
 const STEPS: (f64, f64) = (48.0, 128.0);
-/// Periods of the slowest mode by which a move is made longer at most: twice the length of ZVDD.
+/// Greatest lengthening of a move, in periods of the slowest mode: twice the length of ZVDD.
 const LONGER: f64 = 3.0;
-/// Times that joints are tried apart, with less at the steps where they were too far apart between them.
+/// Number of attempts with joints off the path; each reduces the bound at the steps by the excess between them.
 const ATTEMPTS: usize = 3;
 
-/// A move, and what is allowed of each of its joints.
+/// A move, and the allowed residual of each of its joints.
 pub struct Search<'a> {
     joints: &'a [Moving],
     known: Vec<Known>,
@@ -27,7 +27,7 @@ pub struct Search<'a> {
     full: Trajectory,
     path: Limits,
     period: f64,
-    /// How far several joints may leave their path, m.
+    /// Allowed deviation of several joints from their path, m.
     deviation: Option<f64>,
 }
 
@@ -64,7 +64,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// The unshaped move, where that is tolerated.
+    /// The unshaped move, if the tolerance allows it.
     pub fn unshaped(&self) -> Result<Option<Fastest>, ToleranceError> {
         let mut known = self.known.iter();
         if !known.all(|known| known.allowed >= known.unshaped) {
@@ -103,13 +103,14 @@ impl<'a> Search<'a> {
         [full, full + LONGER * slowest].map(|time| (time / self.period).ceil() as usize)
     }
 
-    /// A move of so many ticks that does, if there is one: with the joints apart where they may be, else on the path.
+    /// A move of this number of ticks within the tolerance, if there is one: off the path where that is
+    /// allowed, else along it.
     pub fn within(&self, ticks: usize) -> Option<Fastest> {
         let apart = self.deviation.and_then(|most| self.apart(ticks, most));
         apart.or_else(|| self.along_path(ticks))
     }
 
-    /// The joints leave the path by at most a distance (m).
+    /// A move whose joints leave the path by at most a distance (m).
     fn apart(&self, ticks: usize, most: f64) -> Option<Fastest> {
         let axes: Vec<Axis> = self
             .joints
@@ -133,13 +134,13 @@ impl<'a> Search<'a> {
                 let left = |index: usize| self.left_by(&jerks[index], h, index);
                 return self.told(plans, left, departure);
             }
-            // It is bounded at the steps, and may be larger between them.
+            // The bound holds at the steps; between them the deviation may be larger.
             deviation *= 0.99 * most / departure;
         }
         None
     }
 
-    /// All joints go as the path parameter.
+    /// A move with all joints along the path.
     fn along_path(&self, ticks: usize) -> Option<Fastest> {
         let distance = |index: usize| self.joints[index].distance().abs();
         let all =
@@ -156,7 +157,7 @@ impl<'a> Search<'a> {
         self.told(self.along(&path), left, 0.0)
     }
 
-    /// Jerks of axes that end where they should and keep the limits, and the duration of their steps, s.
+    /// Jerks of axes with the exact end and within the limits, and the duration of their steps, s.
     fn solve(&self, axes: &[Axis], deviation: f64, ticks: usize) -> Option<(Vec<Vec<f64>>, f64)> {
         let duration = ticks as f64 * self.period;
         let steps = self.steps(duration);
@@ -176,7 +177,7 @@ impl<'a> Search<'a> {
         Some((jerks, h))
     }
 
-    /// What was found, where no joint keeps more (rad) than is allowed.
+    /// The result, if no joint exceeds its allowed amplitude (rad).
     fn told(
         &self,
         plans: Vec<SampledTrajectory>,
@@ -214,9 +215,9 @@ impl<'a> Search<'a> {
         (duration / step).clamp(STEPS.0, STEPS.1) as usize
     }
 
-    /// The modes of a joint, whose amplitudes are so many times those of its axis, and their weights.
+    /// The modes of a joint, whose amplitudes are `factor` times those of its axis, and their weights.
     fn modes(&self, index: usize, factor: f64, ticks: usize) -> Vec<(Swing, f64)> {
-        // The level that is made least is the share of the strictest.
+        // The level that is minimised is the share of the strictest joint.
         let strictest = self.known.iter().map(Known::share).fold(1.0, f64::min);
         let known = &self.known[index];
         let weight = factor * strictest / known.allowed;
@@ -224,7 +225,7 @@ impl<'a> Search<'a> {
         nodes.map(|swing| (swing, weight)).collect()
     }
 
-    /// The largest amplitude that steps of jerk leave of the modes of a joint.
+    /// The largest residual amplitude of the modes of a joint after steps of jerk.
     fn left_by(&self, jerks: &[f64], h: f64, index: usize) -> f64 {
         let duration = jerks.len() as f64 * h;
         self.known[index].most(duration, |swing| swing.left_by(jerks, h))
@@ -265,7 +266,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Limits of the path parameter, which goes from 0 to 1: those of the joint that they bind most.
+/// Limits of the path parameter, which runs from 0 to 1: those of the most restrictive joint.
 fn path_limits(joints: &[Moving]) -> Limits {
     let least = |of: fn(&Limits) -> f64| {
         let each = joints.iter();

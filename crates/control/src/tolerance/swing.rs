@@ -1,20 +1,20 @@
-//! The free vibration that a motion leaves of a mode.
+//! The free vibration of a mode after a motion.
 
 use nalgebra::Complex;
 use quell_trajectories::AxisProfile;
 
-/// A mode that a motion swings.
+/// A mode that a motion excites.
 ///
-/// A motion from rest to rest leaves a deflection of the amplitude
-/// `|int_0^T a(t) exp(mu (T - t)) dt| / omega_d = |int_0^T j(t) exp(mu (T - t)) dt / mu| / omega_d`,
-/// `mu = -xi omega + i omega_d`, `omega_d = omega sqrt(1 - xi^2)`; for a damper across the joint and for one to ground alike.
+/// A motion from rest to rest leaves a deflection of the amplitude `|int_0^T a(t) exp(mu (T - t)) dt| / omega_d
+/// = |int_0^T j(t) exp(mu (T - t)) dt / mu| / omega_d`, `mu = -xi omega + i omega_d`, `omega_d = omega sqrt(1 -
+/// xi^2)`; this holds for a damper across the joint and for one to ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swing {
     pole: Complex<f64>,
 }
 
 impl Swing {
-    /// Of a mode: natural frequency (rad/s, above 0) and damping ratio, `[0, 1)`.
+    /// A mode by its natural frequency (rad/s, above 0) and damping ratio, `[0, 1)`.
     pub fn new(frequency: f64, damping_ratio: f64) -> Self {
         let damped = frequency * (1.0 - damping_ratio * damping_ratio).sqrt();
         Self {
@@ -32,12 +32,12 @@ impl Swing {
         -self.pole.re / self.pole.norm()
     }
 
-    /// What a jerk of 1 over a step of `h` s leaves at its end.
+    /// The residual of a jerk of 1 over a step of `h` s, at its end.
     fn step(&self, h: f64) -> Complex<f64> {
         (self.pole.scale(h).exp() - 1.0) / (self.pole * self.pole * self.pole.im)
     }
 
-    /// What a jerk of 1 in each of so many steps of `h` s leaves at the end of the last.
+    /// The residual of a jerk of 1 in each of `steps` steps of `h` s, at the end of the last.
     pub fn of_steps(&self, steps: usize, h: f64) -> Vec<Complex<f64>> {
         let step = self.step(h);
         let before_end = |k: usize| (steps - 1 - k) as f64 * h;

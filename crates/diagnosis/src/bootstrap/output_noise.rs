@@ -1,8 +1,8 @@
-//! Noise for a replicate's outputs: drawn from its own model, or made of the residual itself.
+//! Noise of a replicate's outputs: drawn from its model, or from blocks of the residual.
 //!
-//! Where an explanation leaves more than noise, what is left is not white, and not of the noise's
-//! colour: blocks of it, a few periods of the mode long, are put together at random, so that what
-//! hangs together within a block stays so. Source: Kuensch, Annals of Statistics 17 (1989).
+//! If an explanation leaves more than noise, its residual is neither white nor of the noise's colour. Then
+//! blocks of it, a few periods of the mode long, are put together at random, so that the correlation within a
+//! block is kept. Source: Kuensch, Annals of Statistics 17 (1989).
 
 use crate::explanation::Explanation;
 use crate::search::Search;
@@ -13,20 +13,20 @@ use rand::Rng;
 use rand_distr::StandardNormal;
 use std::ops::Range;
 
-/// Length of a block, periods of the mode: after three a joint with a damping ratio of 0.1 has
-/// forgotten 85 % of its amplitude.
+/// Length of a block, in periods of the mode: after three periods a joint with a damping ratio of 0.1 has lost
+/// 85 % of its amplitude.
 const BLOCK_PERIODS: f64 = 3.0;
-/// Fewest blocks in what was fitted: with less they are all alike.
+/// Fewest blocks in the fitted rows; with fewer they are all alike.
 const FEWEST_BLOCKS: usize = 10;
-/// Standard deviations of a mean of squares beyond which it is not chance.
+/// Standard deviations of a mean of squares that are beyond chance.
 const CHANCE: f64 = 3.0;
 
-/// Where the noise of one output comes from.
+/// Source of the noise of one output.
 pub enum OutputNoise {
     /// Its own model.
     Model(Whitening),
-    /// A sensor that rounds over white noise: what it makes of small motion is no noise, and its levels
-    /// are where they were.
+    /// A sensor that rounds white noise. In small motion its error is not random, and its levels stay where
+    /// they were.
     Rounding {
         /// Standard deviation before it is rounded.
         white: f64,
@@ -39,7 +39,7 @@ pub enum OutputNoise {
     Blocks {
         /// Recorded minus predicted.
         residual: Vec<f64>,
-        /// Where it was fitted.
+        /// Fitted samples.
         fitted: Vec<Range<usize>>,
         /// Samples of a block.
         length: usize,
@@ -74,7 +74,7 @@ pub fn of(search: &Search, best: &Explanation, e: usize, left: &[Vec<f64>]) -> V
     outputs.iter().enumerate().map(noise).collect()
 }
 
-/// A sensor whose rounding is most of its noise's power.
+/// A sensor whose noise is mostly rounding.
 fn rounding(output: &Output, noise: &Whitening) -> Option<OutputNoise> {
     let step = quantum(&output.values)?;
     let (power, own) = (noise.deviation.powi(2), step * step / 12.0);
@@ -86,7 +86,7 @@ fn rounding(output: &Output, noise: &Whitening) -> Option<OutputNoise> {
 }
 
 impl OutputNoise {
-    /// What a sensor would show of a prediction. `blocks` draws the blocks.
+    /// Reading of a sensor for a prediction. `blocks` draws the blocks.
     pub fn on(
         &self,
         predicted: &[f64],
@@ -112,7 +112,7 @@ impl OutputNoise {
     }
 }
 
-/// As many values as the residual has, in blocks of what was fitted.
+/// As many values as the residual has, in blocks of the fitted samples.
 fn in_blocks(
     residual: &[f64],
     fitted: &[Range<usize>],
@@ -122,7 +122,7 @@ fn in_blocks(
     let count: usize = fitted.iter().map(|range| range.len()).sum();
     let mut values = Vec::with_capacity(residual.len() + length);
     while values.len() < residual.len() {
-        // Any sample is as likely as any other to be the middle of a block.
+        // Each sample is equally likely to be the middle of a block.
         let mut pick = (random.random::<f64>() * count as f64) as usize;
         for range in fitted {
             if pick < range.len() {

@@ -1,12 +1,12 @@
-//! Encoders at rest: what they show is noise, and no motion.
+//! Encoders at rest, whose readings are noise without motion.
 
 use super::mute::is_noise;
 use quell_model::Experiment;
 use quell_recording::Role;
 use quell_signal::noise_floor;
 
-/// The experiment, the noise of an encoder that drives it taken out where it shows nothing else: it would pass for
-/// a motion that the link does not follow.
+/// The experiment with a constant input if the encoder that drives it shows only noise: the noise would pass
+/// for a motion that the link does not follow.
 pub fn at_rest(experiment: Experiment) -> Experiment {
     let values = &experiment.input_values;
     let kinematic = matches!(

@@ -1,28 +1,28 @@
-//! What the channels of a recording carry, before any model is fitted to them.
+//! Information in the channels of a recording, before any model is fitted.
 
 use super::words::{figure, still};
 use crate::error::DiagnosisError;
 use quell_model::Model;
 use quell_recording::{Channel, Recording, Role};
 
-/// Fewest samples that tell a noise: five third differences, of which a median is taken.
+/// Fewest samples for an estimate of the noise: five third differences, whose median is taken.
 const NOISE: usize = 8;
-/// What each recording adds to the unknowns: offset and clock of the sensor, two of the start.
+/// Unknowns that each recording adds: offset and clock of the sensor, two of the start.
 const OWN: usize = 4;
 
-/// What recordings carry.
+/// Content of the recordings.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Carried {
-    /// Something varies in each.
+    /// Something varies in each recording.
     Motion,
-    /// Nothing varies in any; the sentence says so.
+    /// Nothing varies in any recording; the sentence says so.
     Nothing(String),
 }
 
-/// Looks at the channels of recordings that a model takes and predicts.
+/// Checks the channels of recordings that a model uses as input or predicts.
 ///
-/// # Errors
-/// [`DiagnosisError`] where a channel has too few samples or one that no sensor gives, a sensor stands still
+/// [`DiagnosisError`] if a channel has too few samples or an impossible value, if a sensor is constant while
+/// the machine moves, or if nothing varies in one of several recordings.
 /// while the machine moves, or nothing varies in one recording of several.
 pub fn carried(model: &Model, recordings: &[Recording]) -> Result<Carried, DiagnosisError> {
     let mut silent = Vec::new();
@@ -56,7 +56,7 @@ fn input<'a>(model: &Model, recording: &'a Recording) -> Option<&'a Channel> {
     roles.find_map(|role| recording.channel(*role).filter(|_| model.takes(*role)))
 }
 
-/// Whether there are enough samples, and each could be one.
+/// Checks that there are enough samples, each of a possible value.
 fn sound(
     model: &Model,
     recording: &Recording,
@@ -65,7 +65,7 @@ fn sound(
 ) -> Result<(), DiagnosisError> {
     let believed = |index: &usize| model.kind.keys[*index].belief > 0.0;
     let keys = (0..model.values.len()).filter(believed).count();
-    // A third is held out, and what is fitted must leave enough to tell the noise by.
+    // A third is held out; the fitted part must be enough to estimate the noise.
     let needed = 3 * (keys + OWN + NOISE) / 2;
     for channel in outputs {
         if channel.time.len() < needed {
@@ -109,7 +109,7 @@ fn nothing_varies(
             None => Ok(false),
         };
     }
-    // What tells that the machine was moved although its input says that it stood still.
+    // Channels that show motion although the input is constant.
     let commanded = |channel: &&Channel| {
         let also = matches!(channel.role, Role::CommandPosition | Role::MotorPosition);
         also && input.role.is_position() && channel.role != input.role && channel.varies()

@@ -1,4 +1,4 @@
-//! Sensors that show noise alone while the machine moves.
+//! Sensors that show only noise while the machine moves.
 
 use super::words::figure;
 use crate::error::DiagnosisError;
@@ -8,14 +8,14 @@ use quell_model::{Departure, Experiment, Model, predict_windows};
 use quell_recording::Recording;
 use quell_signal::noise_floor;
 
-/// Times by which what the model predicts must exceed all that was recorded: a model that is wrong by less
-/// may still be one of this machine.
+/// Ratio of prediction to recording that proves a dead sensor: a model with a smaller error may still be one of
+/// this machine.
 const MUTE: f64 = 5.0;
-/// Five standard deviations of the ratio of two estimates of a variance from `N` samples, times `sqrt N`: of the
-/// samples' own, `sqrt 2`, and of that by the median of third differences, about 3.4.
+/// Five standard deviations of the ratio of two variance estimates from `N` samples, times `sqrt N`: that of
+/// the samples has `sqrt 2`, that from the median of third differences about 3.4.
 const SPREAD: f64 = 19.0;
 
-/// Refuses recordings with such a sensor. The model is taken as it is given, at rest at its start.
+/// Refuses recordings with such a sensor. The model is used as given, from rest.
 ///
 /// # Errors
 /// [`DiagnosisError::Mute`].
@@ -25,7 +25,7 @@ pub fn mute(
     experiments: &[Experiment],
 ) -> Result<(), DiagnosisError> {
     for (recording, experiment) in recordings.iter().zip(experiments) {
-        // Each window has a start of its own, from its sensors: a dead one would start none.
+        // Each window has a start of its own from its sensors; a dead sensor gives none.
         if !experiment.windows.is_empty() {
             continue;
         }
@@ -34,7 +34,8 @@ pub fn mute(
         let start = &[Departure::default()];
         let shown = predict_windows(model.kind, &keys, &terms, experiment, start, &clocks);
         for (output, shown) in experiment.outputs.iter().zip(shown) {
-            // About the mean alone: the columns of a tracker's frame are made of its angle, and explain a short arc.
+            // Only the mean is taken out: the frame's columns are made of the tracker's angle and would explain
+            // a short arc.
             let [recorded, predicted] = [&output.values, &shown.values].map(|v| spread(v));
             let noise = noise_floor(&output.values).standard_deviation;
             let noisy = recorded > 0.0 && is_noise(recorded.powi(2), noise, shown.values.len());
@@ -53,7 +54,7 @@ pub fn mute(
     Ok(())
 }
 
-/// Whether a variance of so many samples is that of noise of this level, but for chance.
+/// Whether a variance of so many samples is that of noise of this level, within chance.
 pub fn is_noise(variance: f64, noise: f64, samples: usize) -> bool {
     variance <= noise.powi(2) * (1.0 + SPREAD / (samples as f64).sqrt())
 }

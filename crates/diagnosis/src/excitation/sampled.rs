@@ -5,15 +5,16 @@ use quell_model::{Experiment, Hold, Model};
 use quell_recording::Recording;
 use std::f64::consts::TAU;
 
-/// Refuses a recording none of whose outputs, or whose input, has more than two samples in a period of the model's mode.
+/// Refuses a recording if its input, or all of its outputs, have two samples or less in a period of the model's
+/// mode.
 ///
-/// What is sampled more slowly shows the mode at another frequency, `|f - k f_s|`: a fit of it would be of that. An input
-/// that is held between its samples is known at all times, and may be as slow as it is.
+/// Slower samples show the mode at another frequency, `|f - k f_s|`, which a fit would then find. An input that
+/// is held between its samples is known at all times, so that its rate does not matter.
 ///
 /// Source: Nyquist, Shannon, Communication in the presence of noise, Proc. IRE 37 (1949).
 ///
 /// # Errors
-/// [`DiagnosisError::TooSlow`] with the rate that it takes.
+/// [`DiagnosisError::TooSlow`] with the rate of the recording.
 pub fn sampled(
     model: &Model,
     experiments: &[Experiment],
@@ -48,7 +49,7 @@ pub fn sampled(
     Ok(())
 }
 
-/// Samples a second, Hz; infinite of fewer than two.
+/// Samples per second, Hz; infinite for fewer than two.
 fn rate(time: &[f64]) -> f64 {
     match time {
         [first, .., last] if last > first => (time.len() - 1) as f64 / (last - first),

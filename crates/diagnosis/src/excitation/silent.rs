@@ -10,7 +10,7 @@ use quell_model::Model;
 use quell_recording::Recording;
 use std::collections::BTreeMap;
 
-/// Nothing was fitted: the model is as it was given, and misfit and noise are 0.
+/// The diagnosis without a fit: the model is returned as given, and misfit and noise are 0.
 ///
 /// # Errors
 /// [`DiagnosisError::NoRecording`] where there is none.

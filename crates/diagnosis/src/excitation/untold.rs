@@ -1,4 +1,4 @@
-//! Whether a motion tells the unknowns of a model.
+//! Whether a motion determines the unknowns of a model.
 
 use super::words::{advice, figure};
 use crate::document::{Diagnosis, Verdict};
@@ -9,7 +9,7 @@ use crate::problem::Problem;
 use nalgebra::DVector;
 use quell_model::{Experiment, Model};
 
-/// What the verdict is about.
+/// The recordings that the verdict is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Held {
     /// The recordings that are fitted.
@@ -18,15 +18,16 @@ pub enum Held {
     Out,
 }
 
-/// A model whose unknowns recordings do not tell: no combination of these that is wrong by what is commonly
-/// believed of them (the standard deviations of the model's kind) would change the outputs by a chi-squared of
-/// 10, which is strong evidence.
+/// Recordings that do not determine a model's unknowns. Errors of all unknowns within the standard deviations
+/// of the model's kind would, in every combination, change the outputs by a chi-squared of less than 10, which
+/// is strong evidence.
 pub struct Untold {
     words: String,
 }
 
 impl Untold {
-    /// Of a refitted model, by what was fitted and by recordings that are held out; nothing where both tell.
+    /// The verdict on a refitted model, for the fitted recordings and those held out; `None` where both
+    /// determine it.
     pub fn of(model: &Model, problem: &Problem, point: &Point, judge: &Judge) -> Option<Self> {
         Self::by(model, problem, point, Held::In).or_else(|| {
             if judge.data.apart.is_empty() {
@@ -39,7 +40,7 @@ impl Untold {
 
     fn by(model: &Model, problem: &Problem, point: &Point, held: Held) -> Option<Self> {
         let (told, steps) = information(model, problem, point)?;
-        // What is not a number does not count as evidence.
+        // NaN does not count as evidence.
         if told.largest(&steps) >= SEPARATES {
             return None;
         }
@@ -67,7 +68,7 @@ impl Untold {
         })
     }
 
-    /// Says so where the fit would be called healthy: a mismatch is one, whatever excited it.
+    /// Replaces the verdict `NoMismatch`. A mismatch stays one, whatever excited it.
     pub fn said(&self, diagnosis: &mut Diagnosis) {
         if diagnosis.verdict == Verdict::NoMismatch {
             diagnosis.verdict = Verdict::NotExcited;
@@ -76,7 +77,7 @@ impl Untold {
     }
 }
 
-/// The first key that an engineer only believes, and how well.
+/// The first key that is only believed, and its uncertainty.
 fn believed(model: &Model) -> (&'static str, String) {
     let key = model.kind.keys.iter().find(|key| key.belief > 0.0);
     key.map_or(("a key", "all that is believed".into()), |key| {
@@ -88,8 +89,8 @@ fn believed(model: &Model) -> (&'static str, String) {
     })
 }
 
-/// What data alone say of the keys of a model's kind, all free and none believed, and by how much each of them is
-/// commonly wrong.
+/// Information of the data alone about the keys of a model's kind, all free and without beliefs, and their
+/// usual errors.
 fn information(
     model: &Model,
     problem: &Problem,
@@ -124,7 +125,7 @@ fn information(
     (!globals.is_empty()).then(|| (Information::new(&doubting, point), steps))
 }
 
-/// From the least value to the greatest.
+/// Greatest minus least value.
 fn travel(values: &[f64]) -> f64 {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);

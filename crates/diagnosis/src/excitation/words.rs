@@ -1,10 +1,9 @@
-//! What was not excited, and what to record, in words.
+//! Sentences on what was not excited, and what to record.
 
 use quell_model::{Experiment, Model};
 use quell_recording::{Channel, Role};
 
-/// Amplitude over the noise of a motion worth recording: what is off by a tenth of it is then as large as
-/// the noise of one sample.
+/// Ratio of amplitude to noise of a useful motion: a tenth of it is then as large as the noise of one sample.
 const WORTH: f64 = 10.0;
 
 /// A number with its unit, to three digits.
@@ -50,7 +49,7 @@ pub fn nothing_moved(still: &str, model: &Model) -> String {
     )
 }
 
-/// What to record: a motion that a sensor of this noise sees well.
+/// What to record: a motion that is well above the noise of this sensor.
 pub fn advice(model: &Model, experiment: &Experiment, noise: f64) -> String {
     let (output, unit) = (&experiment.outputs[0], &experiment.position_unit);
     let kinematic = matches!(

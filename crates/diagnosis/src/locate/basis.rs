@@ -1,16 +1,16 @@
-//! Orthogonal directions that are taken out of series.
+//! Orthogonal directions for projections of series.
 
-/// Directions, orthogonal to one another.
+/// An orthonormal set of directions.
 #[derive(Clone, Default)]
 pub(super) struct Basis {
     directions: Vec<Vec<f64>>,
 }
 
 impl Basis {
-    /// Adds a direction, less what is already there; not if rounding is all that is left of it.
+    /// Adds a direction, less its part along the present ones; not if only rounding is left of it.
     pub fn add(&mut self, column: &[f64]) -> bool {
         let mut rest = column.to_vec();
-        // Twice: what rounding leaves at the first go.
+        // Twice, against the rounding of the first pass.
         self.remove(&mut rest);
         self.remove(&mut rest);
         let size = dot(&rest, &rest).sqrt();
@@ -22,7 +22,7 @@ impl Basis {
         new
     }
 
-    /// Takes from a series all that lies along the directions.
+    /// Removes the part along the directions from a series.
     pub fn remove(&self, series: &mut [f64]) {
         for direction in &self.directions {
             let factor = dot(series, direction);
@@ -33,7 +33,7 @@ impl Basis {
         }
     }
 
-    /// A series without all that lies along the directions.
+    /// A series without its part along the directions.
     pub fn without(&self, series: &[f64]) -> Vec<f64> {
         let mut rest = series.to_vec();
         self.remove(&mut rest);

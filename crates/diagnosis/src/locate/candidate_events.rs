@@ -1,4 +1,4 @@
-//! Instants at which something happens: impacts, forces that set in, a payload that is taken.
+//! Instants of possible events: impacts, forces that set in, a payload that is gripped.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -6,9 +6,9 @@ use super::correlation::length;
 use super::smoother::Smoothed;
 use super::{MOST, Residual};
 
-/// Chance that noise alone shows an instant.
+/// Probability that noise alone gives a candidate.
 const FALSE_ALARM: f64 = 0.01;
-/// Candidates for a lasting change.
+/// Number of instants that are tried for a lasting change.
 const CANDIDATES: usize = 200;
 
 /// What kind of event an instant is.
@@ -18,11 +18,11 @@ pub(super) enum Kind {
     Impact,
     /// A jump of the missing force.
     Onset,
-    /// From there on the force follows the motion otherwise.
+    /// A lasting change of how the force depends on the motion.
     Change,
 }
 
-/// An instant at which something happens.
+/// An instant at which something seems to happen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CandidateEvent {
     /// Stamp.
@@ -37,7 +37,7 @@ pub(super) struct CandidateEvent {
     pub share: f64,
 }
 
-/// The most suspicious first, at least `apart` seconds from one another.
+/// Candidate events, the most likely first, at least `apart` seconds from one another.
 pub(super) fn candidate_events(
     residual: &Residual,
     smoothed: &Smoothed,
@@ -57,9 +57,9 @@ pub(super) fn candidate_events(
     kept
 }
 
-/// Local maxima of a jump's gain that noise would not make: half a chi-squared of one degree exceeds
-/// `g` with a probability below `exp(-g)`, at `n` stamps in two directions. Where the gains at large
-/// are greater than that law's median, the noise is coloured, and they count for less.
+/// Local maxima of a jump's gain that are beyond noise: half a chi-squared of one degree of freedom exceeds `g`
+/// with a probability below `exp(-g)`, at `n` stamps in two directions. If the gains are on the whole greater
+/// than that law's median, the noise is coloured, and they are scaled down.
 fn jumps(time: &[f64], gain: &[f64], kind: Kind) -> Vec<CandidateEvent> {
     /// Median of half a chi-squared of one degree.
     const MEDIAN: f64 = 0.227;

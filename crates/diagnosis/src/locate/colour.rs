@@ -1,9 +1,9 @@
-//! Noise without a cause: white, or coloured by one pole.
+//! Noise as a rival explanation: white, or coloured by one pole.
 
 use super::search::maximum;
 
-/// Log-likelihood of a series as noise, the better of white and exponentially correlated, its variance
-/// concentrated out, constants left out as in the filter's. Colour pays half the logarithm of the
+/// Log-likelihood of a series as noise, the better of white and exponentially correlated. The variance is
+/// concentrated out, and constants are left out as in the filter's. Colour costs half the logarithm of the
 /// length for its parameter (Schwarz, 1978).
 ///
 /// A residual that noise of one pole explains as well as a missing force does is no evidence for the

@@ -7,11 +7,10 @@ use super::phases::REST;
 use super::smoother::Smoothed;
 use crate::CoordinateTrace;
 
-/// Standard deviations above chance that a coordinate must reach: one in ten thousand, for seven are
-/// tried.
+/// Standard deviations above chance that a coordinate must reach: once in ten thousand, since seven are tried.
 const CHANCE: f64 = 3.72;
 
-/// A coordinate by name, in the order of preference where two explain alike.
+/// A coordinate by name; between equals the first in the list wins.
 pub(super) struct Coordinate {
     pub name: &'static str,
     pub unit: &'static str,
@@ -27,8 +26,8 @@ pub(super) struct Explained {
     pub significant: bool,
 }
 
-/// What the force is held against. The link is where the model and the smoothed error put it: its
-/// rate changes sign where the true one does.
+/// Coordinates with which the force is compared. The link is at its simulated position plus the smoothed error,
+/// so that its rate changes sign where the true one does.
 pub(super) fn coordinates(residual: &Residual, error: &[[f64; 2]]) -> Vec<Coordinate> {
     let has_link = has_link(residual);
     let link = |i: usize, k: usize| residual.link[k][i] + error[k].get(i).unwrap_or(&0.0);
@@ -60,8 +59,8 @@ pub(super) fn has_link(residual: &Residual) -> bool {
     sides.any(|(motor, link)| motor[0] != link[0])
 }
 
-/// The coordinates whose linear part a refit of frequency and damping has taken: deformation and its
-/// rate, or position and velocity where no motor side winds the spring.
+/// Coordinates whose linear part a refit of frequency and damping has absorbed: deformation and its rate, or
+/// position and velocity where no motor side loads the spring.
 fn linear(residual: &Residual, error: &[[f64; 2]]) -> Vec<Vec<f64>> {
     if residual.dynamics.natural_frequency == 0.0 || residual.sensor_only {
         return Vec::new();
@@ -94,7 +93,7 @@ fn hysteresis(x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Which stamps tell: those in motion, unless nearly all is rest.
+/// Stamps that are used: those in motion, unless nearly all is rest.
 pub(super) fn moving(labels: &[usize]) -> Vec<usize> {
     let moving: Vec<usize> = (0..labels.len()).filter(|&k| labels[k] != REST).collect();
     if 4 * moving.len() < labels.len() {
@@ -106,15 +105,15 @@ pub(super) fn moving(labels: &[usize]) -> Vec<usize> {
 
 /// The correlation ratio of the missing force against a coordinate, at these stamps.
 ///
-/// `eta^2` is the share of the variance between bins. Where the force remembers itself, bins that
-/// hold stretches of neighbouring stamps (of time, of position) differ by chance; with a correlation
-/// `rho` the expected share is `(sum_b (1/n_b) sum_ij rho_ij - G) / (N - G)`, `G = sum_ij rho_ij / N`.
-/// The share is corrected for it, and significant above it by the deviation of the Beta distribution
-/// that has the number of independent values `N^2 / sum_ij rho_ij^2`.
+/// `eta^2` is the share of the variance between bins. If the force is correlated in time, bins of neighbouring
+/// stamps (of time, of position) differ by chance. With a correlation `rho` the expected share is `(sum_b
+/// (1/n_b) sum_ij rho_ij - G) / (N - G)`, `G = sum_ij rho_ij / N`. The share is corrected for it. Its
+/// significance is by the standard deviation of the Beta distribution for the number of independent values `N^2
+/// / sum_ij rho_ij^2`.
 ///
 /// Source: Kelley, "An unbiased correlation ratio measure" (1935), here with correlation.
 ///
-/// The linear terms are what a refit has taken: the force counts but for multiples of them.
+/// The linear terms are what a refit has absorbed; multiples of them are removed from the force.
 pub(super) fn explained(
     time: &[f64],
     force: &[f64],
@@ -155,8 +154,8 @@ pub(super) fn explained(
     }
 }
 
-/// Bins, half of their edges at equal counts and half at equal distances: what sits in the tails
-/// shows as well as what sits in the middle. Equal values share a bin.
+/// Bins, half of their edges at equal counts and half at equal distances, so that both the tails and the middle
+/// are resolved. Equal values share a bin.
 fn bins(x: &[f64], count: usize) -> Vec<usize> {
     let mut sorted = x.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -193,7 +192,7 @@ fn correlated(time: &[f64], bins: &[usize], count: usize, constant: f64) -> f64 
         .sum()
 }
 
-/// Share of the variance that bins explain beyond the linear terms: one less the ratio of what is left
+/// Share of the variance that bins explain beyond the linear terms: one minus the ratio of the sums of squares
 /// with and without bins (Frisch, Waugh and Lovell: all centred within bins, or as a whole).
 fn between(series: &[f64], linear: &[Vec<f64>], bins: &[usize], count: usize) -> f64 {
     let one = vec![0; series.len()];
@@ -205,7 +204,7 @@ fn between(series: &[f64], linear: &[Vec<f64>], bins: &[usize], count: usize) ->
     }
 }
 
-/// Sum of squares that is left by the means of bins and the linear terms.
+/// Sum of squares after the means of bins and the linear terms.
 fn left(series: &[f64], linear: &[Vec<f64>], bins: &[usize], count: usize) -> f64 {
     let mut rest = within(series, bins, count);
     let mut basis = Basis::default();
@@ -248,7 +247,7 @@ pub(super) fn best(
         .zip(&shares)
         .map(|(c, e)| (c.name.to_string(), e.share))
         .collect();
-    // The last of equals would win: reversed, the first does.
+    // The last of equals would win. In reversed order the first one does.
     let winner = (0..shares.len())
         .rev()
         .filter(|&c| shares[c].significant)

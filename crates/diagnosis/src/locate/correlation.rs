@@ -1,11 +1,11 @@
-//! How long a series remembers itself.
+//! Correlation time of a series.
 
-/// Correlation of a series with itself, as that of an exponential.
+/// Autocorrelation of a series, approximated by an exponential.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Memory {
     /// Time constant, s; 0 for white noise.
     pub constant: f64,
-    /// Samples for one independent value, at least 1: the sum of the correlation over all lags.
+    /// Number of samples per independent value, at least 1: the sum of the correlation over all lags.
     pub samples: f64,
 }
 
@@ -39,7 +39,7 @@ pub(super) fn length(time: &[f64], series: &[f64]) -> Memory {
         if value < target {
             let share = (before.1 - target) / (before.1 - value);
             let steps = before.0 + share * (lag as f64 - before.0);
-            // Between lag 0 and 1 a straight line would give white noise a length of 0.63.
+            // Between lags 0 and 1 a straight line would give white noise a length of 0.63.
             let steps = if lag == 1 {
                 -1.0 / value.max(1e-3).ln()
             } else {

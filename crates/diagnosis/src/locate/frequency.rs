@@ -6,7 +6,7 @@ use quell_signal::{Window, spectrum};
 
 /// Distance from the mode, relative, within which a peak is the mode's own.
 const NEAR: f64 = 0.15;
-/// Of these at most so many are named: any mismatch makes the mode ring.
+/// Most peaks near the mode that are named: any mismatch makes the mode ring.
 const MOST_NEAR: usize = 2;
 
 /// Angular frequencies, rad/s, the strongest first.

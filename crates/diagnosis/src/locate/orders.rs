@@ -7,15 +7,15 @@ use quell_signal::fourier;
 use super::peaks::lines;
 use super::{MOST, Residual};
 
-/// Cells over the travel, and as many empty ones behind, which interpolate between the lines.
+/// Cells over the travel. As many empty ones follow, for interpolation between the lines.
 const CELLS: usize = 2048;
-/// Cycles over the travel from which a force is periodic rather than a slope.
+/// Fewest cycles over the travel of a periodic force; fewer are a slope.
 const FEWEST: f64 = 3.0;
 
-/// Radians of phase for one unit of position that stand out, the strongest first.
+/// Significant orders, in radians of phase per unit of position, the strongest first.
 ///
-/// The sum of `d dx exp(-i k x)` over the path: a force that repeats with position adds up over all
-/// passages, whatever their speed, and any other does not.
+/// The sum of `d dx exp(-i k x)` over the path: a force that repeats with position adds up over all passages at
+/// any speed, and other forces do not.
 pub(super) fn orders(residual: &Residual, force: &[f64], at: &[usize]) -> Vec<f64> {
     let x = |k: usize| residual.motor[k][0];
     let bounds = at.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |b, &k| {
@@ -52,8 +52,8 @@ pub(super) fn orders(residual: &Residual, force: &[f64], at: &[usize]) -> Vec<f6
     found
 }
 
-/// The stamps of passages and the way from each to the next; where the motor side stands, noise alone
-/// moves it.
+/// The stamps of passages, and the distance from each to the next. Stamps at rest are left out, where only
+/// noise moves the motor side.
 fn path(residual: &Residual, at: &[usize]) -> Vec<(usize, f64)> {
     let way = |k: usize| (residual.motor[k + 1][0] - residual.motor[k][0]).abs();
     let steps = at.windows(2).filter(|w| w[1] == w[0] + 1);

@@ -1,23 +1,22 @@
-//! Lines that stand out of a spectrum's floor.
+//! Significant lines of a spectrum.
 
-/// Chance that noise alone shows a peak anywhere.
+/// Probability that noise alone gives any peak.
 const FALSE_ALARM: f64 = 0.001;
 
-/// A line that stands out.
+/// A significant line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Line {
-    /// Index of the line, between lines where a parabola puts it.
+    /// Index of the line, interpolated by a parabola.
     pub at: f64,
     /// Power over the floor.
     pub ratio: f64,
 }
 
-/// Local maxima of a power spectrum between two lines that noise would not make, strongest first.
+/// Significant local maxima of a power spectrum between two lines, the strongest first.
 ///
-/// The power of a line of noise is exponentially distributed about its floor, so the greatest of `m`
-/// exceeds `ln(m / p)` times the floor with probability `p` (Fisher, 1929, for a known floor). The
-/// floor is the median of the neighbourhood over `ln 2`: coloured noise and the skirts of a peak raise
-/// it where they are.
+/// The power of a line of noise is exponentially distributed about its floor, so the greatest of `m` exceeds
+/// `ln(m / p)` times the floor with probability `p` (Fisher, 1929, for a known floor). The floor is the median
+/// of the neighbourhood over `ln 2`; it follows coloured noise and the skirts of a peak.
 pub(super) fn lines(power: &[f64], from: usize, to: usize) -> Vec<Line> {
     let to = to.min(power.len().saturating_sub(1));
     if from < 1 || to < from + 16 {

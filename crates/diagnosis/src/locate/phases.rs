@@ -16,7 +16,7 @@ pub(super) const REST: usize = 4;
 
 /// Share of the greatest speed below which a drift is rest, as `signal::RestRule` has it.
 const DRIFT: f64 = 0.01;
-/// Share of the greatest acceleration below which the speed is constant, as there.
+/// Share of the greatest acceleration below which the speed is constant, as in `signal::RestRule`.
 const STEADY: f64 = 0.1;
 /// Share of the greatest speed within which a change of sign is a reversal.
 const TURN: f64 = 0.1;
@@ -77,7 +77,7 @@ fn mark_reversals(labels: &mut [usize], velocity: &[f64], turn: f64) {
         let slow = |i: &usize| velocity[*i].abs() <= turn && labels[*i] != REST;
         let before = (0..k).rev().take_while(slow).count();
         let after = (k..labels.len()).take_while(slow).count();
-        // A move that starts or ends here is slow down to rest on one side, and is no reversal.
+        // A move that starts or ends here: one side of it is slow down to rest. This is no reversal.
         let rests = [k.checked_sub(before + 1), Some(k + after)]
             .into_iter()
             .any(|i| i.and_then(|i| labels.get(i)).is_none_or(|l| *l == REST));
@@ -106,8 +106,8 @@ fn mark_settling(labels: &mut [usize], residual: &Residual) {
     }
 }
 
-/// How long the vibration of the motion between two stamps outlasts it: `ln(A / sigma) / (xi w)`, at
-/// least a period and at most five time constants; a tenth of the motion where nothing vibrates.
+/// How long the vibration of the motion between two stamps outlasts it: `ln(A / sigma) / (xi w)`, at least a
+/// period and at most five time constants; a tenth of the motion without a mode.
 fn settling_time(residual: &Residual, begin: usize, end: usize) -> f64 {
     let w = residual.dynamics.natural_frequency;
     if w <= 0.0 {

@@ -1,4 +1,4 @@
-//! The place in the chain, from all that was seen.
+//! The place in the chain, from all the evidence.
 
 use super::Residual;
 use super::candidate_events::{CandidateEvent, Kind};
@@ -7,14 +7,14 @@ use super::sensor_side::SensorSide;
 use crate::CoordinateTrace;
 use quell_model::effects::Place;
 
-/// Half the chi-squared of one degree on its bound (half of the probability at 0) that chance exceeds
-/// once in a thousand.
+/// Half the chi-squared of one degree of freedom on its bound (half of the probability at 0) that chance
+/// exceeds once in a thousand.
 const CHANCE: f64 = 4.77;
-/// Share of the chi-squared that a cause must take: less than 2 % would not pass as an improvement on
-/// held-out data, and an integrator or a rounded input takes as much.
+/// Share of the chi-squared that a cause must explain. Less than 2 % would not improve held-out data, and an
+/// integrator or a rounded input explains as much.
 const WORTH: f64 = 0.02;
 
-/// What speaks for a place: log-likelihood gains over noise, less what their parameters cost.
+/// Evidence for each place: log-likelihood gains over noise, less the cost of their parameters.
 pub(super) struct Evidence<'a> {
     pub residual: &'a Residual<'a>,
     pub missing: &'a [f64],
@@ -26,13 +26,13 @@ pub(super) struct Evidence<'a> {
     /// Evidence of forces periodic in position.
     pub ripple: f64,
     pub candidate_events: &'a [CandidateEvent],
-    /// Whether a frequency away from the mode stands out of what the sensor side leaves.
+    /// Whether the residual without the sensor side has a significant frequency away from the mode.
     pub rings_elsewhere: bool,
 }
 
 impl Evidence<'_> {
-    /// The first guess, none where nothing is above chance. The coordinate becomes the one that tells
-    /// the place: the sensor's regressor, the position of a ripple, the time of an event.
+    /// The first guess; `None` if nothing is above chance. The coordinate becomes the one that indicates the
+    /// place: the sensor's regressor, the position of a ripple, the time of an event.
     pub fn place(&self, coordinate: &mut Option<CoordinateTrace>) -> Option<Place> {
         let n = self.residual.time.len() as f64;
         let dynamic = self.dynamic_gain - (0.5 * n.ln()).max(CHANCE);
@@ -44,8 +44,8 @@ impl Evidence<'_> {
         if self.residual.sensor_only || sensor >= dynamic.max(few) {
             return Some(self.of_sensor(coordinate));
         }
-        // A few causes of known shape are believed where they earn more than half of what a force of
-        // any course does, unless they earn less and a coordinate explains half of it.
+        // A few causes of known shape are preferred if they gain more than half of what a force of any course
+        // gains. If they gain less than that force, no coordinate may explain half of it either.
         let share = coordinate
             .iter()
             .flat_map(|c| &c.explained)
@@ -63,8 +63,8 @@ impl Evidence<'_> {
     }
 
     fn of_sensor(&self, coordinate: &mut Option<CoordinateTrace>) -> Place {
-        // Below its own frequency a further mode, of the link or the base, looks like a sensor that
-        // sees acceleration; a lag has the other sign.
+        // Below its own frequency a further mode, of the link or the base, looks like a sensor that is
+        // sensitive to acceleration; a lag has the other sign.
         let springs = self.rings_elsewhere || self.sensor.acceleration < 0.0;
         if springs && !self.residual.sensor_only {
             *coordinate = None;

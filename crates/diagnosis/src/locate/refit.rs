@@ -1,16 +1,16 @@
-//! What the refit of a model has already taken from its residual.
+//! The part of a residual that the refit of a model has already absorbed.
 
 use super::Residual;
 use super::basis::Basis;
 use super::coordinate::has_link;
 use super::smoother::Smoother;
 
-/// Directions of the output's offset and, where there is a mode, of its frequency and damping: the
-/// error's response to the deformation and its rate. A regressor counts only for what it explains
-/// beyond them, since the residual has lost that part.
+/// Directions of the output's offset and, where there is a mode, of its frequency and damping: the error's
+/// response to the deformation and its rate. A regressor counts only by what it explains beyond them, since the
+/// refit has removed that part.
 ///
-/// Where a force drives an oscillator without a motor side, position, velocity and acceleration take
-/// the deformation's part.
+/// If a force drives an oscillator without a motor side, position, velocity and acceleration take the place of
+/// the deformation.
 pub(super) fn refit(residual: &Residual, smoother: &Smoother) -> Basis {
     let mut basis = Basis::default();
     basis.add(&vec![1.0; residual.time.len()]);

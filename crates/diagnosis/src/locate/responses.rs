@@ -8,8 +8,8 @@ use super::{Residual, colour};
 /// Parameters of a cause: when or where, its size, and the shift of its time or its phase.
 const PARAMETERS: f64 = 3.0;
 
-/// The error's response to an impact or a force that sets in; the second column shifts it in time.
-/// None for a lasting change of how the force follows the motion.
+/// The error's response to an impact or a force that sets in; the second column shifts it in time. `None` for a
+/// lasting change of how the force depends on the motion.
 pub(super) fn to_event(smoother: &Smoother, event: &CandidateEvent) -> Option<[Vec<f64>; 2]> {
     let components = match event.kind {
         Kind::Impact => [1, 0],
@@ -28,8 +28,8 @@ pub(super) fn to_order(residual: &Residual, smoother: &Smoother, order: f64) -> 
     })
 }
 
-/// Log-likelihood gain over noise of these responses, each taken in as long as it earns half the
-/// logarithm of the length for each of its parameters (Schwarz, 1978), less that cost.
+/// Log-likelihood gain of these responses over noise. Each is included if it gains half the logarithm of the
+/// length for each of its parameters (Schwarz, 1978), and that cost is subtracted.
 pub(super) fn evidence(
     residual: &Residual,
     refit: &Basis,

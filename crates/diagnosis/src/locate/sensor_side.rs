@@ -1,28 +1,28 @@
-//! The residual against what a sensor could make of the motion.
+//! The residual compared with sensor errors that depend on the motion.
 
 use super::Residual;
 use super::basis::{Basis, dot};
 use super::colour;
 
-/// What the motion as the sensor shows it would explain of the residual.
+/// The part of the residual that sensor errors explain.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SensorSide {
     /// Log-likelihood gain over noise, white or coloured.
     pub gain: f64,
-    /// The gain less what its regressors must gain.
+    /// The gain less the threshold of its regressors.
     pub evidence: f64,
     /// The one that explains most: its name and values.
     pub best: Option<(String, Vec<f64>)>,
-    /// Factor on the acceleration, s^2, beside all else; 0 if it is not among the regressors. A lag
-    /// `T`, less the delay that the clock takes, leaves `T^2 / 2`; a stiff spring between sensor and
-    /// ground leaves `-1 / w^2`, for the sensor is where the inertia has not come yet.
+    /// Factor on the acceleration, s^2, beside all else; 0 if it is not among the regressors. A lag `T`, less
+    /// the delay that the clock absorbs, leaves `T^2 / 2`. A stiff spring between sensor and ground leaves `-1
+    /// / w^2`, since the sensor sits before the inertia.
     pub acceleration: f64,
-    /// What it leaves.
+    /// Residual without the chosen regressors.
     pub left: Vec<f64>,
 }
 
-/// Names of the regressors, each with what a sensor does that makes it: gain or misalignment, delay
-/// or lag, a clock that runs fast, lag beyond delay (twice), drift.
+/// Names of the regressors. Their causes in a sensor are, in order: gain or misalignment, delay or lag, a clock
+/// that runs fast, lag beyond delay (twice), drift.
 const VELOCITY: usize = 1;
 const ACCELERATION: usize = 3;
 const NAMES: [&str; 6] = [
@@ -55,14 +55,14 @@ pub(super) fn sensor_side(residual: &Residual, refit: &Basis, constant: f64) -> 
     }
 }
 
-/// What a regressor must gain: half the logarithm of the length (Schwarz, 1978) and, since it is the
-/// best of all in two sets, the logarithm of their number.
+/// Least gain of a regressor: half the logarithm of the length (Schwarz, 1978) and, since the best of two sets
+/// is taken, the logarithm of their number.
 fn cost(n: f64) -> f64 {
     0.5 * n.ln() + (2.0 * NAMES.len() as f64).ln()
 }
 
-/// Forward selection: the regressor that explains most of what is left, made orthogonal to those
-/// already in, as long as it earns [`cost`].
+/// Forward selection: in each step the regressor that explains most of the rest, made orthogonal to the chosen
+/// ones, as long as it gains [`cost`].
 fn forward(residual: &Residual, columns: Vec<Vec<f64>>, refit: &Basis) -> SensorSide {
     let n = residual.residual.len() as f64;
     let mut basis = refit.clone();
@@ -96,7 +96,8 @@ fn forward(residual: &Residual, columns: Vec<Vec<f64>>, refit: &Basis) -> Sensor
     found
 }
 
-/// The factor on the acceleration, if chosen, beside a delay and what else was chosen but its like.
+/// The factor on the acceleration, if chosen, fitted beside a delay and the other chosen regressors without the
+/// two accelerations.
 fn acceleration(residual: &Residual, columns: &[Vec<f64>], chosen: &[usize], refit: &Basis) -> f64 {
     let alike = |c: usize| c == ACCELERATION || c == ACCELERATION + 1;
     if !chosen.iter().any(|&c| alike(c)) {
@@ -128,7 +129,7 @@ fn columns(time: &[f64], motion: &[[f64; 3]], constant: f64) -> Vec<Vec<f64>> {
     ]
 }
 
-/// The acceleration behind one pole.
+/// The acceleration behind a first-order lag.
 fn lagged(time: &[f64], motion: &[[f64; 3]], constant: f64) -> Vec<f64> {
     let mut found = vec![motion[0][2]; time.len()];
     for k in 1..time.len() {
@@ -139,7 +140,7 @@ fn lagged(time: &[f64], motion: &[[f64; 3]], constant: f64) -> Vec<f64> {
     found
 }
 
-/// Sum of squares that what is left of a column explains; none where that is rounding.
+/// Sum of squares that the rest of a column explains; 0 if the rest is rounding.
 fn explained(rest: &[f64], column: &[f64], series: &[f64]) -> f64 {
     let own = dot(rest, rest);
     if own > 1e-10 * dot(column, column) && own > 0.0 {

@@ -5,22 +5,22 @@ use nalgebra::{Matrix3, Vector3};
 use super::search::maximum;
 use super::transition::{Path, Transition};
 
-/// Relative change of the covariance from one stamp to the next below which it stays as it is.
+/// Relative change of the covariance between stamps below which it is kept constant.
 const STEADY: f64 = 1e-12;
 
 /// The state-space model of a residual, for the intervals of its stamps.
 pub(super) struct Smoother {
     transitions: Vec<Transition>,
-    /// Which transition leads from each stamp to the next.
+    /// Index of the transition from each stamp to the next.
     which: Vec<usize>,
-    /// The walk is taken to have begun at rest this much before the first stamp: the initial
-    /// covariance is its share of the walk, so that no walk means no error.
+    /// The walk begins at rest this much before the first stamp. The initial covariance is its part of the
+    /// walk, so that without a walk there is no error.
     before: Transition,
     /// Model time for one second.
     rate: f64,
 }
 
-/// What the smoother makes of a residual.
+/// Result of the smoother for a residual.
 pub(super) struct Smoothed {
     /// Error and its rate, in units of the residual (and of it per second).
     pub error: Vec<[f64; 2]>,
@@ -34,7 +34,7 @@ pub(super) struct Smoothed {
     pub force_jump: Vec<f64>,
 }
 
-/// One pass of the filter, all that the smoother needs.
+/// One pass of the filter, with all inputs of the smoother.
 #[derive(Clone, Copy)]
 struct Pass {
     state: Vector3<f64>,
@@ -44,8 +44,8 @@ struct Pass {
 }
 
 impl Smoother {
-    /// `lead` is the time before the first stamp at which the walk began, s. At `restarts` the error begins
-    /// anew as it does there, and the force goes on.
+    /// The smoother for these stamps; `lead` is the time before the first stamp at which the walk began, s. At
+    /// `restarts` the error begins again in the same way, and the force continues.
     pub fn new(path: Path, rate: f64, time: &[f64], lead: f64, restarts: &[f64]) -> Self {
         let path = match path {
             Path::Motion { damping, stiffness } => Path::Motion {
@@ -62,7 +62,7 @@ impl Smoother {
             let interval = (pair[1] - pair[0]).max(0.0) * rate;
             let anew = restarts.partition_point(|t| *t <= pair[0])
                 < restarts.partition_point(|t| *t <= pair[1]);
-            // Stamps carry rounding; an interval that differs by 1e-9 is the same.
+            // Stamps are rounded: intervals that differ by 1e-9 are equal.
             let same =
                 |own: &(f64, bool)| own.1 == anew && (own.0 - interval).abs() <= 1e-9 * interval;
             which.push(match known.iter().rev().take(4).position(same) {
@@ -83,8 +83,8 @@ impl Smoother {
         }
     }
 
-    /// The intensity of the walk (relative to the variance of the noise) of greatest likelihood, and
-    /// that likelihood's logarithm. The noise's variance is concentrated out.
+    /// The intensity of the walk (relative to the variance of the noise) with the greatest likelihood, and the
+    /// logarithm of that likelihood. The noise's variance is concentrated out.
     pub fn fit(&self, residual: &[f64]) -> (f64, f64) {
         // In model time one unit of intensity moves the error by about the noise in one time unit.
         let (q, gain) = maximum(-25.0, 25.0, 2.5, |log| self.likelihood(residual, log.exp()));
@@ -173,7 +173,7 @@ impl Smoother {
         found
     }
 
-    /// The error's response to a force given at the stamps, taken for constant in between at its mean.
+    /// The error's response to a force given at the stamps; in between it is constant at the mean.
     pub fn response(&self, force: &[f64]) -> Vec<f64> {
         let mut state = Vector3::zeros();
         let mut found = vec![state[0]; force.len()];
@@ -199,7 +199,7 @@ impl Smoother {
         found
     }
 
-    /// Adjoint and its information before stamp `k`, from those after it.
+    /// Adjoint and its information before stamp `k`, from their values after it.
     fn backward(
         &self,
         k: usize,

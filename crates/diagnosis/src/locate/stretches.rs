@@ -3,8 +3,8 @@
 use super::correlation::length;
 use super::{MOST, Residual};
 
-/// Chi-squared over a moving window above what noise makes and a quarter of its greatest excess; at
-/// most eight stretches, those of most excess, in order of time.
+/// Stretches in which the chi-squared over a moving window exceeds both the noise and a quarter of its greatest
+/// excess. At most eight are returned, those of most excess, in order of time.
 pub(super) fn strong(residual: &Residual, window: f64) -> Vec<[f64; 2]> {
     let (time, n) = (residual.time, residual.time.len());
     let variance = residual.noise_std * residual.noise_std;

@@ -2,12 +2,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-/// What the missing force passes before the residual shows it.
+/// Dynamics between the missing force and the residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Path {
     /// `e'' + damping e' + stiffness e = d`.
     Motion { damping: f64, stiffness: f64 },
-    /// `e = d`: nothing moves.
+    /// `e = d`: there are no dynamics.
     Direct,
 }
 
@@ -29,8 +29,8 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 impl Transition {
-    /// The interval of this length. It is halved until power series converge to rounding, then put
-    /// together by doubling, `noise(2h) = noise(h) + phi noise(h) phi'`, which subtracts nothing.
+    /// The transition over this interval. The interval is halved until power series converge to rounding, then
+    /// composed by doubling, `noise(2h) = noise(h) + phi noise(h) phi'`, which has no subtraction.
     pub fn new(path: Path, interval: f64) -> Self {
         let Path::Motion { damping, stiffness } = path else {
             return Self::direct(interval);
@@ -48,8 +48,8 @@ impl Transition {
         step
     }
 
-    /// The same of an error that begins anew at the interval's end, with the covariance that it has `before` a
-    /// record: only the force goes on.
+    /// The same for an error that restarts at the interval's end, with the covariance `before` of the start of
+    /// a record; only the force continues.
     pub fn anew(mut self, before: &Self) -> Self {
         let force = self.noise[(2, 2)];
         self.noise = before.noise;

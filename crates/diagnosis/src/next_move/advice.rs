@@ -1,10 +1,10 @@
-//! What would tell two explanations apart that no motion does: a change of payload, mounting or sensor.
+//! Advice for explanations that no motion separates: a change of payload, mounting or sensor.
 
 use crate::point::EffectAt;
 use quell_model::effects::{LIKENESSES, Likeness, Place};
 
-/// What would tell explanations with these effects apart: the first likeness that they share says it, else
-/// the places of which only one has an effect.
+/// Advice that separates explanations with these effects: that of the first likeness that they share, else that
+/// of the places at which only one has an effect.
 pub fn advice(one: &[EffectAt], other: &[EffectAt]) -> &'static str {
     let has =
         |side: &[EffectAt], likeness: Likeness| side.iter().any(|own| own.0.is_alike(likeness));

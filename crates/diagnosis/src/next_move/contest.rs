@@ -7,34 +7,35 @@ use super::information::Information;
 use super::payload::Payload;
 use rayon::prelude::*;
 
-/// The rivals and the ideas.
+/// The rivals and the parts of experiments.
 pub struct Contest<'a> {
     /// The best explanation's equals, the nearest first.
     pub rivals: Vec<Rival<'a>>,
     /// Parts of an experiment.
     pub ideas: &'a Ideas<'a>,
-    /// Temperature of the evidence: what it takes of chi-squared to count as one.
+    /// Temperature of the evidence: the chi-squared that counts as one.
     pub unit: f64,
 }
 
-/// Ideas one after the other.
+/// A sequence of ideas.
 pub struct Plan {
-    /// Which.
+    /// Indices of the ideas.
     pub ideas: Vec<usize>,
-    /// `T` for each rival, linear in the unknowns.
+    /// `T` of each rival, linear in the unknowns.
     pub apart: Vec<f64>,
-    /// What they say about each rival's unknowns.
+    /// Their information about each rival's unknowns.
     said: Vec<Information>,
 }
 
-/// A part must add a tenth to what those before it say, to be worth its time.
+/// Factor that a part must add to the distance of those before it, to be worth its time.
 const WORTH: f64 = 1.1;
 
 impl Contest<'_> {
-    /// Part by part the one that makes the least distance the largest, among those of the first `count`
-    /// rivals that can be separated by then; of the rival that is then the farthest where none can.
+    /// A greedy choice of parts. Each part maximises the least distance over those of the first `count` rivals
+    /// that one more part can separate. If none can be separated, it maximises the distance of the farthest
+    /// rival.
     ///
-    /// What each part says adds, since each starts at rest where the one before has ended.
+    /// The information of the parts adds, since each starts at rest where the one before has ended.
     pub fn plan(&self, payload: Payload, count: usize) -> Option<Plan> {
         let rivals = &self.rivals[..count];
         let said = |idea: &Idea| -> Vec<Information> {
@@ -74,7 +75,7 @@ impl Contest<'_> {
         }
     }
 
-    /// A plan with one more part, if that is not too long.
+    /// A plan with one more part; `None` if it gets too long.
     fn longer(&self, plan: Option<&Plan>, part: usize, said: &[Information]) -> Option<Plan> {
         let (ideas, said) = match plan {
             None => (vec![part], said.to_vec()),

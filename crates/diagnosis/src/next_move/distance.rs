@@ -1,11 +1,11 @@
-//! How far an explanation stays from the predictions of another one, whatever its unknowns are.
+//! Distance of an explanation from the predictions of another one, minimised over its unknowns.
 //!
-//! `T = min |y_A - y_B(theta)|^2` over keys, effects, clocks, starts, offsets and frames of `B`, whitened
-//! by the noise, on the recordings and the proposed experiment together. What keeps them apart on the
-//! recordings alone is subtracted: it has been seen, and did not decide.
+//! `T = min |y_A - y_B(theta)|^2` over keys, effects, clocks, starts, offsets and frames of `B`, whitened by
+//! the noise, on the recordings and the proposed experiment together. Their distance on the recordings alone is
+//! subtracted: it is known already, and did not decide.
 //!
 //! Source: Atkinson and Fedorov, Biometrika 62 (1975): the T-optimal design between two models. With `A`
-//! right, `T` is by how much the chi-squared of `B` will exceed that of `A` in the mean.
+//! right, `T` is the mean by which the chi-squared of `B` will exceed that of `A`.
 
 use super::imagined::explained;
 use super::information::Information;
@@ -21,24 +21,24 @@ use std::sync::Arc;
 /// Steps of a fit that starts near its end.
 const STEPS: usize = 6;
 
-/// An explanation that is held against the predictions of another one.
+/// An explanation that is compared with the predictions of another one.
 pub struct Rival<'a> {
     /// The problem that both explain.
     problem: &'a Problem<'a>,
-    /// What the other one says.
+    /// The other explanation.
     right: &'a Point,
-    /// The recordings as the other one would have them.
+    /// The recordings as predicted by the other explanation.
     recordings: Vec<Experiment>,
     /// Where the fit to these ended.
     point: Point,
-    /// What it left.
+    /// Its cost.
     left: f64,
-    /// What the recordings say about the shared unknowns.
+    /// Information of the recordings about the shared unknowns.
     known: Information,
 }
 
 impl<'a> Rival<'a> {
-    /// `wrong` against the recordings as `right` would have them.
+    /// `wrong` against the recordings as `right` predicts them.
     pub fn new(problem: &'a Problem<'a>, right: &'a Point, wrong: &Point) -> Self {
         let pairs = problem.experiments.iter().zip(&right.locals);
         let recordings: Vec<Experiment> = pairs
@@ -56,14 +56,14 @@ impl<'a> Rival<'a> {
         }
     }
 
-    /// What an experiment would say about the unknowns.
+    /// Information of an experiment about the unknowns.
     pub fn information(&self, experiment: &Experiment, payload: Payload) -> Information {
         let mut point = self.point.clone();
         point.locals = vec![self.local()];
         let experiment = self.predicted(experiment, payload);
         let mut problem = with(self.problem, from_ref(&experiment));
         problem.whitening.truncate(1);
-        // Beliefs are in what the recordings say.
+        // The beliefs are already in the information of the recordings.
         for belief in &mut problem.beliefs {
             belief.1 = f64::INFINITY;
         }
@@ -71,7 +71,7 @@ impl<'a> Rival<'a> {
         Information::new(&problem, &point)
     }
 
-    /// `T` of experiments that say this, linear in the unknowns.
+    /// `T` of experiments with this information, linear in the unknowns.
     pub fn estimate(&self, said: &Information) -> f64 {
         (&self.known + said).least() - self.known.least()
     }
@@ -88,7 +88,7 @@ impl<'a> Rival<'a> {
         (fitted.cost - self.left).max(0.0)
     }
 
-    /// What the other explanation says of an experiment, with a payload.
+    /// Prediction of an experiment by the other explanation, with a payload.
     fn predicted(&self, experiment: &Experiment, payload: Payload) -> Experiment {
         let (mut problem, mut point) = (self.problem.clone(), self.right.clone());
         payload.load(&mut problem, &mut point);
@@ -99,7 +99,8 @@ impl<'a> Rival<'a> {
         explained(problem.kind, &point, experiment, &local)
     }
 
-    /// Clocks that differ from the other explanation's, which is on time, as they do in the recordings.
+    /// Clocks that differ from the other explanation's as they do in the recordings; its own clocks have no
+    /// offset.
     fn local(&self) -> Local {
         let (own, theirs) = (&self.point.locals[0].clocks, &self.right.locals[0].clocks);
         Local {
@@ -114,7 +115,7 @@ fn with<'b>(problem: &Problem<'b>, experiments: &'b [Experiment]) -> Problem<'b>
     Problem {
         experiments,
         rows: experiments.iter().map(split::whole).collect(),
-        // What is imagined is not rounded.
+        // Predicted inputs are not rounded.
         input_rounding: Arc::default(),
         ..problem.clone()
     }

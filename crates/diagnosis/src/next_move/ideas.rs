@@ -1,4 +1,4 @@
-//! Experiments that may be proposed, in parts that may follow each other.
+//! Experiments that may be proposed, in parts that can follow one another.
 
 use super::imagined;
 use super::programme::{Pauses, parts};
@@ -12,9 +12,9 @@ use quell_recording::Role;
 pub struct Idea {
     /// Its input and the stamps of its sensors.
     pub experiment: Experiment,
-    /// Its moves, which end where they start; none where the input is no motion that can be commanded.
+    /// Its moves, which end where they start; empty if the input cannot be commanded as a motion.
     pub moves: Vec<ProposedMove>,
-    /// Share of the recorded input that it repeats, where there are no moves.
+    /// Share of the recorded input that it repeats, if there are no moves.
     pub share: f64,
 }
 
@@ -26,34 +26,34 @@ impl Idea {
     }
 }
 
-/// All that the limits seen in the recordings allow.
+/// All parts within the limits that the recordings show.
 pub struct Ideas<'a> {
     /// The parts.
     pub all: Vec<Idea>,
-    /// Longest experiment, s: no longer than what was recorded in one go.
+    /// Longest experiment, s: no longer than the longest recording.
     pub longest: f64,
     /// Most moves of an experiment; a repetition is one.
     pub most_moves: usize,
     base: &'a Experiment,
-    /// Limits and the rest before the first move, s, where there are moves.
+    /// Limits, and the rest before the first move, s; `None` if there are no moves.
     moves: Option<(Seen, f64)>,
 }
 
 /// Shares of the recorded input, never beyond it.
 const SHARES: &[f64] = &[0.3, 0.5, 1.0];
-/// Time constants after which 0.7 % of a vibration is left.
+/// Number of time constants after which 0.7 % of a vibration is left.
 const SETTLED: f64 = 5.0;
-/// Most moves that a person is asked to make.
+/// Most moves that a user is asked to make.
 const MOST_MOVES: usize = 8;
 
 impl<'a> Ideas<'a> {
-    /// For the input of a problem's experiments.
+    /// Ideas for the input of a problem's experiments.
     pub fn new(problem: &Problem<'a>) -> Self {
         let base = &problem.experiments[0];
         let spans = problem.experiments.iter().map(|e| e.span().1 - e.span().0);
         let mut ideas = Self {
             all: Vec::new(),
-            // The stamps' rounding may not count.
+            // The rounding of the stamps may not matter.
             longest: spans.fold(0.0, f64::max) * (1.0 + 1e-9),
             most_moves: 1,
             base,
@@ -101,7 +101,7 @@ impl<'a> Ideas<'a> {
         }
     }
 
-    /// Parts one after the other as one experiment.
+    /// Parts in sequence as one experiment.
     pub fn joined(&self, parts: &[usize]) -> Option<Idea> {
         let first = &self.all[*parts.first()?];
         let moves: Vec<ProposedMove> = parts

@@ -1,4 +1,4 @@
-//! An experiment that was not made: what an explanation says the sensors would show, without noise.
+//! A predicted experiment: the sensor readings of an explanation, without noise.
 
 use super::programme::positions;
 use super::seen::Seen;
@@ -7,11 +7,11 @@ use crate::point::{Local, Point};
 use quell_model::{Experiment, Grid, Kind, Known, Output, simulate_windows};
 use quell_recording::Role;
 
-/// Time between the recordings and the proposed experiment, s: what happened once in the recordings (a
-/// payload was gripped, an impact) has happened before it, what drifts has drifted on.
+/// Time between the recordings and the proposed experiment, s. Events of the recordings (a payload was gripped,
+/// an impact) are over by then, and drift has gone on.
 const LATER: f64 = 1.0;
 
-/// An experiment with the explanation's own predictions in the place of what was measured.
+/// An experiment with the explanation's predictions in place of measured values.
 pub fn explained(kind: &Kind, point: &Point, experiment: &Experiment, local: &Local) -> Experiment {
     let mut explained = experiment.clone();
     let simulated = simulate_windows(
@@ -28,7 +28,7 @@ pub fn explained(kind: &Kind, point: &Point, experiment: &Experiment, local: &Lo
     explained
 }
 
-/// The experiment that moves would be, `lead` seconds of rest before it.
+/// The experiment for these moves, after `lead` seconds of rest.
 pub fn moved(
     base: &Experiment,
     moves: &[ProposedMove],
@@ -52,12 +52,12 @@ pub fn moved(
     replaced(base, time, values, stamps)
 }
 
-/// The experiment that the recorded input would be at a share of its size.
+/// The recorded experiment, repeated with the input scaled by a share.
 pub fn repeated(base: &Experiment, share: f64) -> Option<Experiment> {
     let (first, last) = base.span();
     let shift = last - first + LATER;
     let later = |time: &[f64]| -> Vec<f64> { time.iter().map(|t| t + shift).collect() };
-    // A position is a size from where it starts; a force, a torque, a current from nothing.
+    // A position is scaled about its start; a force, a torque or a current about zero.
     let zero = match base.input.is_position() {
         true => base.input_values[0],
         false => 0.0,
@@ -99,7 +99,7 @@ fn replaced(
         input_unit: base.input_unit.clone(),
         force_unit: base.force_unit.clone(),
         payload: base.payload.clone(),
-        // What is known of the recorded motion is not known of this one.
+        // Known values of the recorded motion do not hold for this one.
         known: Known::default(),
         ..*base
     })

@@ -1,4 +1,4 @@
-//! What data say about the shared unknowns of an explanation, as a quadratic form. Forms add.
+//! Information of data about the shared unknowns of an explanation, as a quadratic form. Forms add.
 
 use crate::normal::{scales, solve};
 use crate::point::Point;
@@ -6,8 +6,8 @@ use crate::problem::Problem;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use std::ops::Add;
 
-/// `c + 2 g^T d + d^T N d`: the least sum of squares where the shared unknowns are `d` away from where
-/// they were linearised, the others (clocks, starts, offsets, frames) at their best.
+/// `c + 2 g^T d + d^T N d`: the least sum of squares where the shared unknowns are `d` away from the point of
+/// linearisation, and the others (clocks, starts, offsets, frames) are at their optimum.
 #[derive(Clone)]
 pub struct Information {
     constant: f64,
@@ -16,7 +16,7 @@ pub struct Information {
 }
 
 impl Information {
-    /// Of a problem's experiments about a point: the Schur complement of its normal equations.
+    /// The form for a problem's experiments about a point: the Schur complement of its normal equations.
     pub fn new(problem: &Problem, point: &Point) -> Self {
         let projector = crate::projector::Projector::new(problem);
         let linear = problem.linearise(point, &projector);
@@ -32,7 +32,8 @@ impl Information {
         let block = normal.view((shared, shared), (own, own)).into_owned();
         let scale = scales(&block);
         let scaled = DMatrix::from_fn(own, own, |i, j| {
-            // A direction that the data do not see is left out; the rounding keeps it positive.
+            // A direction without any effect is left out; the addition keeps the matrix positive in spite of
+            // rounding.
             block[(i, j)] / (scale[i] * scale[j]) + if i == j { 1e-13 } else { 0.0 }
         });
         let Some(root) = Cholesky::new(scaled) else {
@@ -47,8 +48,8 @@ impl Information {
         reduced
     }
 
-    /// The largest value of the form's square part where each unknown is away by no more than its step, these
-    /// taken as the half axes of an ellipsoid: the largest eigenvalue of `S N S`. 0 where that is no number.
+    /// The largest value of the quadratic part if each unknown is off by no more than its step, with the steps
+    /// as half axes of an ellipsoid: the largest eigenvalue of `S N S`. 0 where that is NaN.
     pub fn largest(&self, steps: &DVector<f64>) -> f64 {
         let n = steps.len();
         let scaled = DMatrix::from_fn(n, n, |i, j| self.normal[(i, j)] * steps[i] * steps[j]);

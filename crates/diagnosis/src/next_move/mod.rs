@@ -1,4 +1,4 @@
-//! The next move: what would tell explanations apart that the recordings cannot.
+//! The next move: an experiment that separates explanations which the recordings cannot.
 //!
 //! The distance `T` of the best explanation from each of its equals is taken on moves that the limits
 //! seen in the recordings allow. Those whose least `T` is the largest are proposed.
@@ -31,13 +31,13 @@ use rayon::prelude::*;
 /// Chi-squared that separates: 10 is "very strong" evidence between models of as many unknowns (Kass and
 /// Raftery, J. American Statistical Association 90 (1995)).
 pub const SEPARATES: f64 = 10.0;
-/// Chi-squared at which the diagnosis will see it: twice the logarithm of odds of 1000 to 1, and as much again for
-/// what chance takes of it, one of mean `T` scattering by `2 sqrt(T)`.
+/// Chi-squared at which the diagnosis will decide: twice the logarithm of odds of 1000 to 1, doubled as a
+/// margin for chance, since `T` scatters by `2 sqrt(T)`.
 const ENOUGH: f64 = 30.0;
-/// Equals that are looked at, the nearest ones.
+/// Number of equals that are considered, the nearest ones.
 const RIVALS: usize = 3;
 
-/// What to do next; none where nothing is in doubt or nothing was explained.
+/// The next move; `None` where nothing is in doubt or nothing was explained.
 pub fn next_move(search: &Search, found: &Found, verdict: Verdict) -> Option<NextMove> {
     let doubtful = matches!(verdict, Verdict::Ambiguous | Verdict::PartlyExplained);
     if !doubtful || found.equals.is_empty() {
@@ -74,8 +74,8 @@ struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    /// The best one is taken to be right; but where the equal's law contains it as a limit, and could
-    /// never fail, the equal.
+    /// The best explanation is taken to be right. The exception: if the equal's law contains it as a limit, the
+    /// equal could never fail, and is taken to be right instead.
     fn new(best: &'a Explanation, equal: &'a Explanation) -> Self {
         let [own, theirs] = words::apart(&best.effects(), &equal.effects());
         let holds = |law: &Effect, simple: &Effect| law.contains(simple) || law.becomes(simple);

@@ -1,4 +1,4 @@
-//! A change of payload: the link's inertia, known, times a factor.
+//! A change of payload: the link's inertia times a known factor.
 
 use crate::point::Point;
 use crate::problem::Problem;
@@ -10,12 +10,12 @@ pub struct Payload(pub f64);
 impl Payload {
     /// The machine as it was recorded.
     pub const NONE: Self = Self(1.0);
-    /// One that an axis can carry and that shifts a mode by a fifth.
+    /// A payload that an axis can carry and that shifts a mode by a fifth.
     pub const HALF_MORE: Self = Self(1.5);
 
-    /// Puts the payload on: with stiffness and damper as they are, natural frequency and damping ratio
-    /// change by `1 / sqrt(factor)`. A step of an unknown, taken of its logarithm, means the same with it
-    /// and without.
+    /// Adds the payload. With the same stiffness and damper, natural frequency and damping ratio change by `1 /
+    /// sqrt(factor)`. Since these unknowns are fitted by their logarithms, a step means the same with and
+    /// without it.
     pub fn load(self, problem: &mut Problem, point: &mut Point) {
         for (key, factor) in self.factors(problem) {
             point.keys[key] *= factor;

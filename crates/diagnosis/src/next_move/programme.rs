@@ -1,8 +1,8 @@
-//! Moves that may be proposed: within what was seen, of every sort that brings effects to light.
+//! Moves that may be proposed, within the limits of the recordings; each sort brings out other effects.
 //!
-//! Fast moves and their settling show modes, damping, stiffness and lags; half and small ones what is
-//! not linear; slow ones friction, ripple and gravity; reversals without rest what is lost and gained in
-//! them; long pauses creep, drift and clocks.
+//! Fast moves and their settling show modes, damping, stiffness and lags. Half and small moves show
+//! nonlinearity. Slow moves show friction, ripple and gravity. Reversals without rest show backlash and lost
+//! motion. Long pauses show creep, drift and clocks.
 
 use super::seen::Seen;
 use crate::document::ProposedMove;
@@ -11,11 +11,11 @@ use quell_trajectories::{AxisState, Limits, PlanError, Planner, Trajectory};
 /// Lengths of pauses, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pauses {
-    /// In which nothing settles.
+    /// Nothing settles in it.
     pub short: f64,
-    /// In which vibration dies away.
+    /// Vibration dies away in it.
     pub settled: f64,
-    /// In which what is slow shows.
+    /// Slow effects show in it.
     pub long: f64,
 }
 
@@ -26,8 +26,8 @@ const DISTANCES: &[f64] = &[1.0, 0.5, 0.125];
 /// Share of the range that must lie on either side for a move from end to end.
 const BOTH_SIDES: f64 = 0.1;
 
-/// Parts of a programme, each from the start of the recordings and back to it, for an axis whose moves
-/// are told in `unit`.
+/// Parts of a programme, each from the start of the recordings and back to it, for an axis whose moves are in
+/// `unit`.
 pub fn parts(seen: &Seen, pauses: Pauses, unit: &str) -> Vec<Vec<ProposedMove>> {
     let (down, up) = (seen.range.0 - seen.start, seen.range.1 - seen.start);
     let (far, near) = if up >= -down { (up, down) } else { (down, up) };
@@ -36,7 +36,7 @@ pub fn parts(seen: &Seen, pauses: Pauses, unit: &str) -> Vec<Vec<ProposedMove>> 
         let moves = distances
             .iter()
             .map(|d| proposed(*d, &at(seen, pace), pause, unit));
-        // What cannot be planned is not proposed.
+        // A move that cannot be planned is not proposed.
         if let Ok(moves) = moves.collect::<Result<Vec<_>, _>>()
             && !found.contains(&moves)
         {
@@ -72,7 +72,7 @@ fn at(seen: &Seen, (speed, acceleration): (f64, f64)) -> Limits {
     }
 }
 
-/// A move whose numbers are short ones: what it reaches at most, no more than the limits.
+/// A move with short numbers: its greatest speed, acceleration and jerk, no more than the limits.
 fn proposed(d: f64, limits: &Limits, pause: f64, unit: &str) -> Result<ProposedMove, PlanError> {
     let distance = shortened(d);
     let reached = plan(0.0, distance, limits)?;

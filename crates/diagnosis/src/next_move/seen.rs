@@ -1,4 +1,4 @@
-//! What the recordings show that the axis may do: the limits of a proposed move.
+//! Limits of a proposed move, from the recordings.
 
 use quell_model::Experiment;
 use quell_signal::{CubicSpline, End, noise_floor};
@@ -17,17 +17,17 @@ pub struct Seen {
 
 /// Binomial coefficients of the first, second and third difference, their signs left out.
 const DIFFERENCES: [&[f64]; 3] = [&[1.0, 1.0], &[1.0, 2.0, 1.0], &[1.0, 3.0, 3.0, 1.0]];
-/// Deviations of the greatest of some thousand normal numbers.
+/// Greatest of some thousand normal numbers, in standard deviations.
 const GREATEST: f64 = 4.0;
 /// Share of a difference that may be noise.
 const NOISY: f64 = 0.1;
 
 impl Seen {
-    /// Of all experiments; none where nothing moves. `period` is that of the model's mode, s.
+    /// Extremes over all experiments; `None` where nothing moves. `period` is that of the model's mode, s.
     ///
-    /// A difference of order n over steps of `h`, divided by `h^n`, is a mean of the n-th derivative
-    /// about that place: never above the greatest one. `h` starts at a radian of the mode and grows
-    /// until the noise is small; what the noise can add is subtracted.
+    /// A difference of order n over steps of `h`, divided by `h^n`, is a local mean of the n-th derivative: it
+    /// never exceeds the greatest one. `h` starts at a radian of the mode and grows until the noise is small;
+    /// the possible part of the noise is subtracted.
     pub fn new(experiments: &[Experiment], period: f64) -> Option<Self> {
         let mut seen: Option<Self> = None;
         for experiment in experiments {
@@ -79,7 +79,7 @@ impl Seen {
     }
 }
 
-/// Greatest derivative over steps of the least length at which it stands out of the noise.
+/// Greatest derivative over steps of the least length at which it exceeds the noise.
 fn greatest(
     spline: &CubicSpline,
     time: &[f64],

@@ -5,7 +5,7 @@ use super::{ENOUGH, SEPARATES};
 use crate::point::EffectAt;
 use quell_model::effects::Effect;
 
-/// What two explanations do not have in common.
+/// Effects that two explanations do not share.
 pub fn apart(one: &[EffectAt], other: &[EffectAt]) -> [Vec<EffectAt>; 2] {
     let only = |of: &[EffectAt], not: &[EffectAt]| {
         let own = of.iter().filter(|effect| !not.contains(effect));
@@ -14,7 +14,7 @@ pub fn apart(one: &[EffectAt], other: &[EffectAt]) -> [Vec<EffectAt>; 2] {
     [only(one, other), only(other, one)]
 }
 
-/// What effects are called, joined by ` + `; with their places where the names alone are the same.
+/// Names of effects, joined by ` + `, with their places where the names alone are equal.
 pub fn called(
     one: &[EffectAt],
     other: &[EffectAt],
@@ -47,7 +47,7 @@ fn told(value: f64, unit: &str) -> String {
     format!("{value:.*} {unit}", digits as usize)
 }
 
-/// A chi-squared to two digits, no greater: more are not known of it.
+/// A chi-squared rounded down to two digits, its accuracy.
 fn rounded(score: f64) -> f64 {
     let unit = 10f64.powf(score.max(1.0).log10().floor() - 1.0);
     (score / unit).floor() * unit
@@ -80,8 +80,8 @@ fn command(idea: &Idea) -> String {
     )
 }
 
-/// The sentence for an experiment that separates. `reversed` where the second explanation is the one
-/// that would be seen to be right.
+/// The sentence for an experiment that separates. `reversed` if the second explanation is the one that it would
+/// confirm.
 pub fn separates(idea: &Idea, [one, other]: &[String; 2], score: f64, reversed: bool) -> String {
     let (right, wrong) = if reversed { (other, one) } else { (one, other) };
     let command = command(idea);
@@ -106,7 +106,7 @@ pub fn separates(idea: &Idea, [one, other]: &[String; 2], score: f64, reversed: 
     )
 }
 
-/// The sentence for a pair that nothing tried separates, and what would.
+/// The sentence for a pair that no tried experiment separates, and the remedy.
 pub fn inseparable([one, other]: &[String; 2], best: f64, remedy: &str) -> String {
     format!(
         "No motion within the limits of the recordings tells {one} from {other}. The best that was tried \
@@ -114,12 +114,12 @@ pub fn inseparable([one, other]: &[String; 2], best: f64, remedy: &str) -> Strin
     )
 }
 
-/// The further sentence on a pair that the proposed experiment leaves alike.
+/// The further sentence on a pair that the proposed experiment does not separate.
 pub fn besides([one, other]: &[String; 2], remedy: &str) -> String {
     format!(" It does not tell {one} from {other}. What would: {remedy}.")
 }
 
-/// The further sentence where a payload makes the difference.
+/// The further sentence where a payload separates them.
 pub fn with_payload(idea: &Idea, score: f64) -> String {
     format!(
         " A known payload would tell, too. With the link's inertia half as large again, and nothing else changed, to \

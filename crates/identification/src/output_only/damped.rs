@@ -10,7 +10,7 @@ use super::least_squares::{Minimum, minimise};
 use crate::stop::Stop;
 use nalgebra::{DMatrix, DVector};
 
-/// Differences for the Jacobian: of logarithms, and of shifts as shares.
+/// Steps of the differences for the Jacobian: of logarithms, and of shifts as shares.
 const STEP: f64 = 1e-6;
 
 /// One decay, from its first sample on.
@@ -18,7 +18,7 @@ const STEP: f64 = 1e-6;
 pub struct Segment {
     /// Time between samples, s.
     pub period: f64,
-    /// One column an axis.
+    /// One column for each axis.
     pub values: DMatrix<f64>,
 }
 
@@ -33,32 +33,32 @@ pub struct Damped {
     pub bend: Option<Bend>,
 }
 
-/// How a mode depends on its amplitude: shares of frequency and rate by which they differ at the start of a decay.
+/// Dependence of a mode on its amplitude: relative differences of frequency and rate at the start of a decay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bend {
     /// Of the frequency.
     pub frequency: f64,
     /// Of the rate.
     pub rate: f64,
-    /// What it follows.
+    /// The law that it follows.
     pub law: Law,
 }
 
-/// What frequency and rate of a mode follow.
+/// The law of a mode's frequency and rate over the amplitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
-    /// A power of the amplitude: 1 as clamps and material make it, 2 as geometry and drag do.
+    /// A power of the amplitude: 1 for clamps and material, 2 for geometry and drag.
     Power(f64),
-    /// The rate follows one over the amplitude, as dry friction makes it; the frequency follows the amplitude.
+    /// The rate follows one over the amplitude, as under dry friction; the frequency follows the amplitude.
     Friction,
 }
 
-/// Modes, and what the decays leave of them.
+/// Fitted modes, and their residual.
 #[derive(Clone, Debug)]
 pub struct Fit {
     /// The modes.
     pub modes: Vec<Damped>,
-    /// The minimum; its unknowns are as [`unknowns`] orders them.
+    /// The minimum; its unknowns are in the order of [`unknowns`].
     pub minimum: Minimum,
 }
 
@@ -103,7 +103,7 @@ pub fn fit(segments: &[Segment], start: &[Damped], stop: Stop) -> Option<Fit> {
     })
 }
 
-/// What the modes leave of all axes of all decays, one after the other; none where they are no vibration.
+/// Residual of all axes of all decays, one after the other; none where the modes are no vibration.
 pub fn residual(segments: &[Segment], modes: &[Damped]) -> Option<DVector<f64>> {
     let mut left = Vec::new();
     for segment in segments {
@@ -162,10 +162,10 @@ fn basis(segment: &Segment, modes: &[Damped]) -> Option<DMatrix<f64>> {
     Some(basis)
 }
 
-/// The linear coefficients, one column an axis.
+/// The linear coefficients, one column for each axis.
 fn project(basis: &DMatrix<f64>, values: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let mut normal = basis.tr_mul(basis);
-    // Rounding: columns that are nearly alike must not stop the descent.
+    // Regularisation at the level of rounding: nearly equal columns must not stop the descent.
     let small = 1e-13 * normal.trace();
     for k in 0..normal.nrows() {
         normal[(k, k)] += small;

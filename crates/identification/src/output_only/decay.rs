@@ -1,4 +1,4 @@
-//! Modes of free decays: how many there are, whether one depends on its amplitude, and how well they are known.
+//! Modes of free decays: their number, their dependence on amplitude, and their uncertainty.
 
 use super::damped::{Bend, Damped, Fit, Law, Segment, amplitudes, fit, residual};
 use super::{Excitation, FoundMode, OutputOnly, Vibration};
@@ -7,31 +7,31 @@ use nalgebra::{DMatrix, DVector};
 use quell_shapers::{Mode, UncertainMode};
 use std::f64::consts::TAU;
 
-/// Steps at most, each a further mode or a dependence on amplitude.
+/// Most steps; each adds a mode or a dependence on amplitude.
 const STEPS: usize = 7;
 /// Damping ratios from which a mode's fit starts.
 const STARTS: [f64; 5] = [0.003, 0.01, 0.03, 0.08, 0.2];
-/// What a mode may follow.
+/// Laws that a mode may follow.
 const LAWS: [Law; 3] = [Law::Power(1.0), Law::Power(2.0), Law::Friction];
-/// A mode of less than this share of the strongest is not told; a multiple of a stronger one is its distortion below a
-/// residual that is acceptable.
+/// Smallest reported share of the strongest mode; and the share below which a multiple of a stronger mode's
+/// frequency is its distortion, whose residual is acceptable.
 const LEAST: f64 = 0.005;
 const DISTORTION: f64 = 0.05;
 /// Bayesian evidence that is very strong (Kass and Raftery 1995).
 const STRONG: f64 = 10.0;
-/// Share of the variance that modes must explain where a stretch is a free decay, and not a machine at work.
+/// Least share of the variance that modes explain in a free decay, as opposed to a machine at work.
 const EXPLAINED: f64 = 0.8;
-/// Samples of a decay beyond which neighbours are averaged: the poles stay what they are.
+/// Number of samples of a decay above which neighbours are averaged; the poles do not change.
 const MOST: usize = 30_000;
-/// The same where it is only asked whether a stretch is a decay.
+/// The same for the test whether a stretch is a decay.
 const LOOKED_AT: usize = 3000;
-/// Places, as shares of a stretch, where its free decay may begin.
+/// Number of places in a stretch at which its free decay may begin.
 const BEGINS: usize = 6;
-/// Above this damping ratio, or with fewer periods in the record, it is drift and no vibration.
+/// Damping ratio above which it is drift, not vibration; and number of periods in the record below which it is.
 const DRIFT: f64 = 0.5;
 const PERIODS: f64 = 2.0;
 
-/// The modes of some stretches; none where these are no free decays.
+/// The modes of some stretches; `None` where these are no free decays.
 pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]], stop: Stop) -> Option<OutputOnly> {
     let begun = stretches.iter().filter_map(|s| begun(vibration, *s, stop));
     let stretches: Vec<[usize; 2]> = begun.collect();
@@ -71,14 +71,14 @@ pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]], stop: Stop) -> Opt
     })
 }
 
-/// Unknowns of a model: of its modes, and amplitudes and offset of each axis of each decay.
+/// Number of unknowns of a model: of its modes, and amplitudes and offset of each axis of each decay.
 fn unknowns(model: &Fit, axes: usize) -> f64 {
     let of = |mode: &Damped| 2 + 2 * usize::from(mode.bend.is_some()) + 2 * axes;
     model.modes.iter().map(of).sum::<usize>() as f64
 }
 
-/// Models, each with one thing more than the one before: a mode, or a dependence on amplitude. What lowers the cost more
-/// for each of its unknowns is taken.
+/// Models, each with one more feature than the one before: a mode, or a dependence on amplitude. The feature
+/// with the larger fall of the cost per unknown is taken.
 fn grow(segments: &[Segment], stop: Stop) -> Option<Vec<Fit>> {
     let axes: usize = segments.iter().map(|segment| segment.values.ncols()).sum();
     let mut models: Vec<Fit> = Vec::new();
@@ -99,7 +99,7 @@ fn grow(segments: &[Segment], stop: Stop) -> Option<Vec<Fit>> {
             Some((worth, fit)) if worth > 0.0 => models.push(fit),
             _ => break,
         }
-        // What is left is rounding.
+        // Only rounding is left.
         if models.last()?.minimum.cost < 1e-20 * left.norm_squared() {
             break;
         }
@@ -107,7 +107,7 @@ fn grow(segments: &[Segment], stop: Stop) -> Option<Vec<Fit>> {
     (!models.is_empty()).then_some(models)
 }
 
-/// One mode more, where what is left has its strongest line.
+/// Adds a mode at the strongest line of the residual.
 fn further(segments: &[Segment], modes: &[Damped], left: &DVector<f64>, stop: Stop) -> Option<Fit> {
     let frequency = strongest(segments, left)?;
     let with = |ratio: f64| {
@@ -127,7 +127,7 @@ fn further(segments: &[Segment], modes: &[Damped], left: &DVector<f64>, stop: St
     fit(segments, &start, stop)
 }
 
-/// The strongest mode that is linear yet, with a dependence on its amplitude.
+/// Adds a dependence on amplitude to the strongest mode that is still linear.
 fn bent(segments: &[Segment], modes: &[Damped], stop: Stop) -> Option<Fit> {
     let shares = amplitudes(segments, modes)?;
     let linear = (0..modes.len()).filter(|k| modes[*k].bend.is_none());
@@ -166,7 +166,7 @@ fn strongest(segments: &[Segment], left: &DVector<f64>) -> Option<f64> {
         }
     }
     let period = segments.first()?.period;
-    // A line that is the drift of the record is no vibration.
+    // A line at the lowest frequencies is drift, not vibration.
     let lowest = (length as f64 / longest as f64).ceil() as usize;
     let lines = energy
         .iter()
@@ -188,7 +188,7 @@ fn independent(left: &DVector<f64>, count: usize) -> f64 {
     (count as f64 * (1.0 - r) / (1.0 + r)).max(8.0)
 }
 
-/// The modes that are told, the strongest first: neither drift nor the harmonics of a stronger one.
+/// The reported modes, the strongest first, without drift and harmonics of stronger modes.
 fn told(best: &Fit, shares: &[f64], scale: f64, span: f64) -> Vec<FoundMode> {
     let largest = shares.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let mut order: Vec<usize> = (0..best.modes.len()).collect();
@@ -214,9 +214,9 @@ fn told(best: &Fit, shares: &[f64], scale: f64, span: f64) -> Vec<FoundMode> {
     kept.into_iter().filter_map(one).collect()
 }
 
-/// Whether a weaker mode of a fit is a part of a stronger one. A multiple of its frequency is a distortion, where its rate
-/// is that multiple, too, or its share is small. What lies within its half-power width is how its decay differs from an
-/// exponential: the data cannot tell it from a mode of its own.
+/// Whether a weaker mode of a fit belongs to a stronger one. At a multiple of its frequency it is a distortion,
+/// if its rate is that multiple, too, or its share is small. Within its half-power width it describes the
+/// deviation from an exponential decay, which the data cannot distinguish from a separate mode.
 fn belongs((mode, share): (&Damped, f64), of: &Damped) -> bool {
     let near = |value: f64, whole: f64, by: f64| (value / whole - 1.0).abs() < by;
     let order = (mode.frequency / of.frequency).round();
@@ -248,8 +248,8 @@ fn found(best: &Fit, k: usize, covariance: Option<&DMatrix<f64>>, share: f64) ->
     })
 }
 
-/// A stretch from where its decay is free: the earliest place from which two modes leave no more of it than from later ones;
-/// none where they leave too much from everywhere.
+/// The part of a stretch in which its decay is free. It starts at the earliest place from which the residual of
+/// two modes is as small as from later ones; `None` where the residual is too large from everywhere.
 fn begun(vibration: &Vibration, [from, until]: [usize; 2], stop: Stop) -> Option<[usize; 2]> {
     let places: Vec<usize> = (0..BEGINS)
         .map(|k| from + k * (until - from) / 20)

@@ -3,10 +3,10 @@
 use super::Vibration;
 use quell_signal::Window;
 
-/// Lines of a Hann window that count as one independent one, where many are averaged: `sum w^4 N / (sum w^2)^2`.
+/// Number of lines of a Hann window per independent one, for averages over many: `sum w^4 N / (sum w^2)^2`.
 const SMEARED: f64 = 35.0 / 18.0;
-/// Lines on either side whose median a line is held against, and the ratio from which it is of no noise: noise has it once
-/// in 2^40 lines.
+/// Lines on either side whose median is the reference of a line, and the ratio above which it is not noise:
+/// noise exceeds it once in 2^40 lines.
 const BESIDE: usize = 8;
 const OF_NO_NOISE: f64 = 40.0;
 /// Lines on either side over which Hann's window spreads a sine.
@@ -17,19 +17,19 @@ const SPREAD: usize = 3;
 pub struct Density {
     /// Centre of each band, Hz.
     pub frequency: Vec<f64>,
-    /// One-sided density there, squared unit a hertz.
+    /// One-sided density there, squared unit per hertz.
     pub power: Vec<f64>,
     /// Lines of the transform that are averaged in it.
     pub lines: Vec<f64>,
-    /// Distance of the lines that are independent, Hz.
+    /// Distance of independent lines, Hz.
     pub resolution: f64,
 }
 
-/// The density between two frequencies, Hz, in bands whose width is a share of their frequency, at least a line each.
+/// The density between two frequencies, Hz, in bands of constant relative width with at least one line each.
 ///
-/// `tapered` weighs the samples by Hann's window, as a vibration that goes on at both ends needs it, and leaves out the
-/// lines of what turns at a constant speed. What begins and ends at rest is left as it is: its transform is the
-/// excitation's times the response, without a smear.
+/// `tapered` weights the samples by Hann's window, as needed for a vibration that continues at both ends, and
+/// leaves out the lines of rotation at constant speed. A record that begins and ends at rest needs no window:
+/// its transform is the excitation's times the response, without leakage.
 pub fn density(vibration: &Vibration, [from, to]: [f64; 2], width: f64, tapered: bool) -> Density {
     let samples = vibration.axes[0].len();
     let length = samples.next_power_of_two();
@@ -81,15 +81,15 @@ pub fn density(vibration: &Vibration, [from, to]: [f64; 2], width: f64, tapered:
         density
             .power
             .push(kept.iter().map(|line| power[*line]).sum::<f64>() / lines);
-        // Lines closer than the record resolves are one.
+        // Lines closer than the resolution of the record count as one.
         let independent = lines * spacing / resolution / if tapered { SMEARED } else { 1.0 };
         density.lines.push(independent.max(1.0));
     }
     density
 }
 
-/// Lines of what turns at a constant speed: they stand above those beside them as no noise does, and those next to them.
-/// Of a padded transform `finer` lines are one of the record.
+/// Lines of rotation at constant speed, with their neighbours: they exceed the surrounding lines by more than
+/// noise does. In a padded transform `finer` lines correspond to one of the record.
 fn sines(power: &[f64], finer: usize) -> Vec<bool> {
     let (beside, spread) = (BESIDE * finer, SPREAD * finer);
     let mut found = vec![false; power.len()];

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use quell_recording::{Channel, Recording, Role};
 use quell_signal::{CubicSpline, End, SignalError};
 
-/// Channels of what vibrates, in the order in which they are taken.
+/// Roles of vibrating channels, the preferred one first.
 const ROLES: [Role; 8] = [
     Role::TipAcceleration,
     Role::LinkAcceleration,
@@ -16,13 +16,13 @@ const ROLES: [Role; 8] = [
     Role::Torque,
     Role::MotorPosition,
 ];
-/// Share of a period by which stamps may lie beside evenly spaced ones and be taken as these: a sine of a tenth of the
-/// rate changes by 6 % of its amplitude in it.
+/// Largest deviation of stamps from even ones, as a share of the period, that is ignored: a sine of a tenth of
+/// the rate changes by 6 % of its amplitude in it.
 const BESIDE: f64 = 0.1;
-/// Samples in a row that may be missing and are interpolated.
+/// Longest gap, in samples, that is interpolated.
 const HOLE: f64 = 4.5;
 
-/// What vibrates, evenly sampled.
+/// A vibrating channel, evenly sampled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vibration {
     /// The channel's role.
@@ -35,7 +35,7 @@ pub struct Vibration {
     pub rate: f64,
     /// One to three axes, of one length.
     pub axes: Vec<Vec<f64>>,
-    /// Share of the recording that is used: of one with holes it is the longest stretch without.
+    /// Share of the recording that is used: with holes, the longest stretch without one.
     pub used: f64,
 }
 
@@ -46,8 +46,9 @@ impl Vibration {
         self.axes.iter().all(still)
     }
 
-    /// Along the direction that moves most, the first principal component of the axes. Each direction is another sum of the
-    /// modes: powers of several are not that of one.
+    /// The vibration along the direction of most motion, the first principal component of the axes. A sum of
+    /// the powers of several directions is not the power of one, since each direction combines the modes
+    /// differently.
     #[must_use]
     pub fn principal(&self) -> Self {
         let count = self.axes.len();
@@ -77,7 +78,7 @@ impl Vibration {
     }
 }
 
-/// What vibrates in a recording: an accelerometer, else another channel of the link.
+/// The vibration in a recording: of an accelerometer, else of another channel of the link.
 ///
 /// # Errors
 /// [`IdentificationError`] where there is no such channel, or its stamps cannot be brought onto an even grid.
@@ -117,7 +118,8 @@ fn even(channel: &Channel) -> Result<Vibration, IdentificationError> {
     };
     let off = |(k, stamp): (usize, &f64)| (stamp - stamps[0] - k as f64 * period).abs() / period;
     let is_even = stamps.iter().enumerate().map(off).fold(0.0, f64::max) <= BESIDE;
-    // Where samples are missing the grid has them; where stamps jitter about it, it has as many as they are.
+    // If samples are missing, the grid includes them; if stamps only jitter, the grid has as many points as
+    // there are samples.
     let missing = sorted.last().is_some_and(|longest| *longest > 1.5 * middle);
     let period = if !is_even && missing { middle } else { period };
     let mut axes = Vec::new();

@@ -1,32 +1,32 @@
-//! What happens in a vibration: where it decays freely, and whether a frequency sweeps.
+//! Events in a vibration: free decays, and frequency sweeps.
 
 use super::Vibration;
 use super::density::density;
 use quell_signal::Window;
 
-/// Parts in which the energy is followed.
+/// Number of parts in which the energy is computed.
 const PARTS: usize = 256;
 /// Fewest samples of a part.
 const FEWEST: usize = 16;
-/// Width of a band in which a line is looked for, as a share of its frequency, and bands on either side that it stands out
-/// of: half an octave.
+/// Relative width of a band in which a line is searched, and the number of bands on either side that it must
+/// exceed: half an octave.
 const BAND: f64 = 0.05;
 const AROUND: usize = 7;
-/// Factor of energy by which a decay falls at least: its amplitude to a third.
+/// Least factor by which the energy of a decay falls: its amplitude to a third.
 const FALLS: f64 = 9.0;
-/// Factor of energy by which something new begins.
+/// Factor of energy that marks a new event.
 const RISES: f64 = 4.0;
 /// Most decays that are fitted, the strongest first.
 const MOST: usize = 12;
 
-/// Parts of a sweep, and the rank correlation of frequency and time that makes one: with so many parts chance gives 0.7
-/// once in 1e12.
+/// Number of parts of a sweep, and the rank correlation of frequency and time that defines one: with so many
+/// parts chance gives 0.7 once in 1e12.
 const FRAMES: usize = 96;
 const RANK: f64 = 0.7;
-/// A sweep goes over an octave at least.
+/// Least range of a sweep: an octave.
 const OCTAVE: f64 = 2.0;
-/// Energy of a part's strongest line over its median one from which the part counts: of a thousand lines of noise the
-/// strongest has 14 times the median in one part of ten.
+/// Ratio of a part's strongest line to its median one above which the part counts. In a thousand lines of noise
+/// the strongest has 14 times the median in one part of ten.
 const STANDS_OUT: f64 = 30.0;
 
 /// Stretches of free decay, in samples from and before, the strongest first.
@@ -62,13 +62,13 @@ pub fn decays(vibration: &Vibration) -> Vec<[usize; 2]> {
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     let strongest = found.first().map_or(0.0, |first| first.0);
-    // What is a hundredth in energy, a tenth in amplitude, adds little.
+    // A hundredth of the energy, a tenth of the amplitude, adds little information.
     let strong = found.into_iter().filter(|one| one.0 > 0.01 * strongest);
     strong.take(MOST).map(|one| one.1).collect()
 }
 
-/// Samples of one and a half periods of what stands out most of the spectrum around it: a part that is shorter has the
-/// energy of its place in the period.
+/// Number of samples of one and a half periods of the most prominent line. A shorter part would have an energy
+/// that depends on its phase.
 fn cycles(vibration: &Vibration) -> usize {
     let samples = vibration.axes[0].len();
     let seconds = samples as f64 / vibration.rate;
@@ -87,7 +87,7 @@ fn cycles(vibration: &Vibration) -> usize {
     (1.5 * vibration.rate / frequency) as usize
 }
 
-/// Energy of some samples about their line, of all axes, a sample.
+/// Mean energy of some samples about their linear trend, summed over the axes.
 fn energy(vibration: &Vibration, first: usize, count: usize) -> f64 {
     let of = |axis: &Vec<f64>| {
         let values = &axis[first..first + count];
@@ -105,7 +105,7 @@ fn energy(vibration: &Vibration, first: usize, count: usize) -> f64 {
     vibration.axes.iter().map(of).sum()
 }
 
-/// The frequencies, Hz, between which a frequency sweeps in time; none where none does.
+/// The frequencies, Hz, between which a frequency sweeps in time; `None` without a sweep.
 pub fn sweep(vibration: &Vibration) -> Option<[f64; 2]> {
     let samples = vibration.axes[0].len();
     let length = samples / FRAMES;
@@ -127,7 +127,8 @@ pub fn sweep(vibration: &Vibration) -> Option<[f64; 2]> {
     sorted.sort_unstable_by(f64::total_cmp);
     let at = |share: f64| sorted[(share * (sorted.len() - 1) as f64) as usize];
     let [low, high] = [at(0.03), at(0.97)];
-    // Frequencies that jump, as of one mode after another, are no sweep: most are taken one after the other.
+    // Jumping frequencies, as of one mode after another, are no sweep: it must pass most frequencies in
+    // sequence.
     let spread = (0..8).filter(|eighth| {
         let [from, to] = [*eighth, eighth + 1].map(|k| low + (high - low) * f64::from(k) / 8.0);
         loud.iter().any(|f| (from..=to).contains(f))

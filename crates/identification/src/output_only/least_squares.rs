@@ -3,23 +3,23 @@
 use crate::stop::Stop;
 use nalgebra::{DMatrix, DVector};
 
-/// Iterations at most; the fits here end after ten to thirty.
+/// Most iterations; the fits here end after ten to thirty.
 const ITERATIONS: usize = 60;
-/// Relative decrease of the cost below which it has ended: of 1e5 samples a hundredth of one chi-squared.
+/// Relative decrease of the cost at convergence: for 1e5 samples a hundredth of one chi-squared.
 const ENDED: f64 = 1e-7;
-/// Rounding of scaled normal equations whose Jacobian is by differences.
+/// Relative rounding of scaled normal equations with a Jacobian by differences.
 const ROUNDING: f64 = 1e-10;
 
 /// A minimum.
 #[derive(Clone, Debug)]
 pub struct Minimum {
-    /// Where it is.
+    /// The unknowns there.
     pub at: Vec<f64>,
     /// Sum of squares there.
     pub cost: f64,
     /// Residuals there.
     pub residual: DVector<f64>,
-    /// `(J^T J)^-1`, of which `cost / (n - p)` times is the covariance; none where rounding hides it.
+    /// `(J^T J)^-1`; `cost / (n - p)` times it is the covariance. `None` where rounding dominates.
     pub inverse: Option<DMatrix<f64>>,
 }
 
@@ -82,7 +82,8 @@ pub fn minimise(
     })
 }
 
-/// The inverse of `J^T J`. Unknowns are scaled alike first; one that moves nothing gets a large deviation, by rounding.
+/// The inverse of `J^T J`. Unknowns are scaled first; one without any effect gets a large deviation, by
+/// rounding.
 fn inverse(normal: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let scale = normal
         .diagonal()

@@ -1,8 +1,9 @@
-//! Modes from what vibrates alone: an accelerometer, or any channel, without a known input.
+//! Output-only modal identification: modes from an accelerometer, or any vibrating channel, without a known
+//! input.
 //!
-//! A free decay is fitted in time, as damped sinusoids by maximum likelihood. What a sweep or a machine at work excites
-//! is fitted in frequency, as a sum of resonances by Whittle's likelihood. How many modes there are is told by the
-//! Bayesian information criterion.
+//! A free decay is fitted in time, as damped sinusoids by maximum likelihood. The response to a sweep or of a
+//! machine at work is fitted in frequency, as a sum of resonances by Whittle's likelihood. The Bayesian
+//! information criterion decides the number of modes.
 
 mod damped;
 mod decay;
@@ -35,18 +36,19 @@ pub enum Excitation {
     Work,
 }
 
-/// A mode and what it does in this recording.
+/// A mode and its properties in this recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundMode {
     /// The mode with its standard deviations; of one whose frequency depends on the amplitude, at small amplitude.
     pub known: UncertainMode,
     /// Share of the largest mode's amplitude after an impulse.
     pub share: f64,
-    /// How much the frequency at the greatest amplitude differs, as a share of it; 0 where it is one frequency.
+    /// Relative difference of the frequency at the greatest amplitude; 0 if it does not depend on the
+    /// amplitude.
     pub frequency_shift: f64,
     /// Standard deviation of that.
     pub frequency_shift_std: f64,
-    /// How much the damping ratio at the greatest amplitude differs.
+    /// Difference of the damping ratio at the greatest amplitude.
     pub damping_shift: f64,
 }
 
@@ -61,7 +63,7 @@ pub struct OutputOnly {
     pub stretches: Vec<[f64; 2]>,
     /// Share of the variance in these that the modes explain (of a sweep or work: of the logarithm of the spectrum).
     pub explained: f64,
-    /// By how much the modes lower the criterion, beside what would be strong evidence.
+    /// Fall of the criterion by the modes, and the value that is strong evidence.
     pub evidence: [f64; 2],
 }
 
@@ -82,7 +84,7 @@ pub fn output_only_until(
     stop: Stop,
 ) -> Result<OutputOnly, IdentificationError> {
     let found = look(vibration, stop);
-    // What was left out is no answer.
+    // If it was stopped, a skipped part is no result.
     check(stop).and(found)
 }
 

@@ -1,10 +1,11 @@
-//! Resonances in the spectrum of what was excited by a sweep or by work, by maximum likelihood.
+//! Resonances in the spectrum of a response to a sweep or of a machine at work, by maximum likelihood.
 //!
-//! `S(f) = f^p |d + sum_k (c_k + j r_k e_k) / (1 - r_k^2 + 2 j xi_k r_k)|^2 + n`, `r_k = f / f_k`: an output of any number
-//! of modes, coherent, and the noise of the sensor. Of a sweep the density is a power `p` of the frequency, and modes are
-//! normal ones, of which an acceleration has `e_k = 2 xi_k c_k`; else `p = 0`, and `e_k` is free. A
-//! band of `M` lines has a gamma density of mean `S` (Whittle's likelihood); the sum of its deviances is made small. How
-//! far the deviances exceed what chance gives scales the deviations.
+//! `S(f) = f^p |d + sum_k (c_k + j r_k e_k) / (1 - r_k^2 + 2 j xi_k r_k)|^2 + n`, `r_k = f / f_k`: a coherent
+//! output of any number of modes, and the noise of the sensor. For a sweep the density of the excitation is a
+//! power `p` of the frequency and the modes are normal ones, for which an acceleration has `e_k = 2 xi_k c_k`;
+//! otherwise `p = 0`, and `e_k` is free. A band of `M` lines has a gamma density of mean `S` (Whittle's
+//! likelihood); the sum of its deviances is minimised. The excess of the deviances over chance scales the
+//! standard deviations.
 //!
 //! Source: P. Whittle, Arkiv for Matematik 2 (1953); P. McCullagh and J. A. Nelder, Generalized Linear Models (1989), ch. 8.
 
@@ -17,32 +18,33 @@ use nalgebra::{Complex, DVector};
 use quell_shapers::{Mode, UncertainMode};
 use quell_signal::SignalError;
 
-/// Bands have this share of their frequency: a mode with a damping ratio of 0.005 has four in its half-power width.
+/// Relative width of a band: a mode with a damping ratio of 0.005 has four in its half-power width.
 const WIDTH: f64 = 0.0025;
-/// Modes at most.
+/// Most modes.
 const MOST: usize = 6;
-/// Damping ratios from which a mode's fit starts, each with the width over which its peak is looked for.
+/// Damping ratios at which a mode's fit starts, each with the width over which its peak is searched.
 const STARTS: [f64; 3] = [0.01, 0.03, 0.1];
-/// Powers of the frequency that the density of a sweep starts from: a constant acceleration, and one that grows with it.
+/// Starting values of a sweep's power: a constant acceleration, and one that grows with frequency.
 const EXCITATIONS: [f64; 2] = [0.0, 2.0];
-/// Powers that it may have: from a little less than a constant acceleration to a constant displacement. Four less is the
-/// same spectrum of other amplitudes: a force that drives a mass instead of a base that moves.
+/// Range of the power: from a little less than a constant acceleration to a constant displacement. Four less
+/// gives the same spectrum with other amplitudes: a force that drives a mass instead of a moving base.
 const POWERS: [f64; 2] = [-1.0, 4.0];
 /// Bayesian evidence that is very strong (Kass and Raftery 1995).
 const STRONG: f64 = 10.0;
-/// Unknowns that are no mode's: direct term, noise, power of the frequency; and those of a mode.
+/// Number of unknowns besides the modes (direct term, noise, power of the frequency), and of a mode.
 const SHARED: usize = 3;
 const EACH: usize = 4;
-/// Shares of the sweep's ends that are left out: there its spectrum falls.
+/// Factors on the sweep's ends that exclude the edges, where its spectrum falls.
 const ENDS: [f64; 2] = [1.05, 0.96];
-/// Cycles of the record, and share of the rate, between which modes of a machine at work are looked for.
+/// Least number of cycles in the record, and largest share of the rate, for modes of a machine at work.
 const LOWEST: f64 = 8.0;
 const HIGHEST: f64 = 0.4;
-/// Damping ratio that no mode exceeds: above it a response has no peak. A mode of less than this share of the strongest is not told.
+/// Largest damping ratio of a mode: above it a response has no peak. And the smallest reported share of the
+/// strongest mode.
 const DRIFT: f64 = 0.7;
 const LEAST: f64 = 0.02;
 
-/// The modes along the direction that moves most; none where none stands out.
+/// The modes along the direction of most motion; none where none is significant.
 ///
 /// # Errors
 /// [`IdentificationError`] where the record is too short for a spectrum.
@@ -83,11 +85,11 @@ pub fn modes(
     })
 }
 
-/// A density that is to be explained.
+/// The density to be fitted.
 struct Problem<'a> {
     density: &'a Density,
     is_sweep: bool,
-    /// Logarithm of each band's frequency over the middle: an exponential is had for a third of a power.
+    /// Logarithm of each band's frequency over the middle: an exponential is three times as fast as a power.
     logarithms: Vec<f64>,
     stop: Stop<'a>,
 }
@@ -106,7 +108,7 @@ impl<'a> Problem<'a> {
         problem
     }
 
-    /// The frequency at which the excitation's power is 1, Hz: the geometric middle.
+    /// The reference frequency of the excitation's power, Hz: the geometric middle.
     fn middle(&self) -> f64 {
         let [first, last] =
             [0, self.density.frequency.len() - 1].map(|k| self.density.frequency[k]);
@@ -159,7 +161,7 @@ impl<'a> Problem<'a> {
         let model = self.model(at);
         let band = |k: usize| {
             let ratio = power[k] / model[k];
-            // Rounding may make it less than 0 where they agree; what is no number stays none.
+            // Rounding may make it negative where both agree; NaN stays NaN.
             let deviance = ratio - 1.0 - ratio.ln();
             let deviance = if deviance < 0.0 { 0.0 } else { deviance };
             (2.0 * lines[k] * deviance).sqrt().copysign(ratio - 1.0)
@@ -186,7 +188,7 @@ impl<'a> Problem<'a> {
         minimise(|at| self.residual(at), start, &steps, self.stop)
     }
 
-    /// Models of no mode, of one, of two, under the power of the excitation from which they end best.
+    /// Models of no mode, of one, of two, with the excitation's power that gives the best end.
     fn grow(&self) -> Vec<Minimum> {
         let powers = if self.is_sweep {
             &EXCITATIONS[..]
@@ -216,7 +218,8 @@ impl<'a> Problem<'a> {
         let middle = powers[powers.len() / 2].sqrt();
         let noise = powers[powers.len() / 10].max(f64::MIN_POSITIVE).ln() - 1.0;
         let start = [middle, noise, power];
-        // Without a mode all may pass for noise: the first mode starts beside little of either.
+        // Without a mode everything may be fitted as noise: the first mode starts with small noise and direct
+        // term.
         let mut base = vec![0.1 * middle, noise, power];
         let mut models: Vec<Minimum> = self.fit(&start).into_iter().collect();
         while let Some(last) = models.last()
@@ -226,7 +229,7 @@ impl<'a> Problem<'a> {
             let fits = starts.filter_map(|start| self.fit(&start));
             let fits = fits.filter(|fit| self.are_distinct(&fit.at));
             let better = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
-            // What a mode of chance lowers the deviance by.
+            // Fall of the deviance by a mode that fits chance.
             let gain = EACH as f64 * (self.density.power.len() as f64).ln() * self.dispersion(last);
             let better = better.map(|fit| self.otherwise_excited(fit));
             match better.filter(|fit| fit.cost < last.cost) {
@@ -244,8 +247,8 @@ impl<'a> Problem<'a> {
         models
     }
 
-    /// The best of a model of several modes and of these under the powers of the excitation, the last with either sign: each
-    /// mode's amplitude is kept where it is seen.
+    /// The best of a model with several modes and of its refits with other powers, the last mode with either
+    /// sign; each mode's amplitude is kept at its own frequency.
     fn otherwise_excited(&self, model: Minimum) -> Minimum {
         if !self.is_sweep || model.at.len() < SHARED + 2 * EACH {
             return model;
@@ -271,8 +274,8 @@ impl<'a> Problem<'a> {
             .unwrap_or(model)
     }
 
-    /// Whether no two modes are nearer than half the half-power width of the sharper: such a pair is one mode, split into
-    /// parts that cancel each other.
+    /// Whether no two modes are nearer than half the half-power width of the sharper one. Such a pair is one
+    /// mode, split into parts that cancel each other.
     fn are_distinct(&self, at: &[f64]) -> bool {
         let modes: Vec<[f64; 4]> = at[SHARED..]
             .chunks_exact(EACH)
@@ -283,7 +286,7 @@ impl<'a> Problem<'a> {
         (0..modes.len()).all(|k| modes[..k].iter().all(|other| apart(&modes[k], other)))
     }
 
-    /// A model with one mode more, where bands of a width exceed it most; with either sign.
+    /// A model with one more mode, where bands of a width exceed it most; with either sign.
     fn with(&self, at: &[f64], ratio: f64) -> [Vec<f64>; 2] {
         let Density {
             frequency,
@@ -298,7 +301,7 @@ impl<'a> Problem<'a> {
             .map(|(power, model)| (power / model).ln())
             .collect();
         let reach = ((ratio / WIDTH) as usize).clamp(1, power.len() / 4);
-        // How far a band of this width stands out of one four times as wide.
+        // Excess of a band of this width over one four times as wide.
         let mean = |k: usize, reach: usize| {
             let range = k.saturating_sub(reach)..(k + reach + 1).min(power.len());
             let weight: f64 = lines[range.clone()].iter().sum();
@@ -330,8 +333,8 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// The model that the Bayesian criterion takes, its evidence, and what would be strong. Deviances are taken over their
-    /// dispersion in the largest model.
+    /// The model with the best Bayesian criterion, its evidence, and the value that is strong. Deviances are
+    /// relative to the dispersion of the largest model.
     fn best<'m>(&self, models: &'m [Minimum]) -> (Option<&'m Minimum>, f64, f64) {
         let Some(last) = models.last() else {
             return (None, 0.0, STRONG);
@@ -345,7 +348,7 @@ impl<'a> Problem<'a> {
         (best, found, unknowns as f64 * bands.ln() + STRONG)
     }
 
-    /// Deviance for each degree of freedom; it is 1 where chance alone makes it.
+    /// Deviance per degree of freedom; 1 by chance alone.
     fn dispersion(&self, model: &Minimum) -> f64 {
         let freedom = self
             .density
@@ -371,7 +374,7 @@ impl<'a> Problem<'a> {
         (1.0 - left.sum::<f64>() / all).max(0.0)
     }
 
-    /// The modes of a model, the strongest first: neither drift nor lines that the record does not resolve.
+    /// The modes of a model, the strongest first, without drift and lines below the resolution of the record.
     fn told(&self, best: Option<&Minimum>) -> Vec<FoundMode> {
         let Some(best) = best.filter(|best| best.at.len() > SHARED) else {
             return Vec::new();
@@ -393,8 +396,8 @@ impl<'a> Problem<'a> {
             let Ok(known) = Mode::from_hertz(frequency, ratio) else {
                 continue;
             };
-            // Its width is told from none, and from that of drift whose peak is no half above its floor, by two
-            // standard deviations.
+            // Its width must differ, by two standard deviations, from zero and from that of drift whose peak is
+            // not half above its floor.
             let ratio_std = ratio * (1.0 - ratio / DRIFT) * variance(place + 1, place + 1).sqrt();
             let is_told = 2.0 * ratio_std < ratio && ratio + 2.0 * ratio_std < 0.5 * DRIFT;
             if narrow || !inside || !is_told {

@@ -1,4 +1,4 @@
-//! A number with how well it is known.
+//! A number with its uncertainty.
 
 use super::BAND;
 
@@ -12,7 +12,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Itself where 0 is outside of its 95 % interval.
+    /// The estimate, if 0 is outside of its 95 % interval.
     pub fn significant(self) -> Option<Self> {
         (self.value.abs() > BAND * self.std).then_some(self)
     }

@@ -12,8 +12,8 @@ pub struct Nearest {
     pub effect: &'static Effect,
     /// Values of its parameters.
     pub values: Vec<f64>,
-    /// Squared distance from the learned ordinates in their standard deviations, for each degree of freedom: about 1
-    /// where the law is the curve.
+    /// Squared distance from the learned ordinates in their standard deviations, for each degree of freedom:
+    /// about 1 if the law equals the curve.
     pub chi_squared: f64,
     /// The law at the points of the curve.
     pub at_points: Vec<f64>,
@@ -21,20 +21,20 @@ pub struct Nearest {
     pub outside: Vec<(f64, f64)>,
 }
 
-/// Starts that are followed to their end, the best at first sight.
+/// Number of starts that are fitted to convergence, those of least residual.
 const FOLLOWED: usize = 4;
 
-/// Steps of a descent: with at most four unknowns it ends far sooner.
+/// Most steps of a descent: with at most four unknowns it ends far sooner.
 const STEPS: usize = 60;
 
-/// Change of a parameter for its derivative, as a share of its typical size.
+/// Step of a parameter for its derivative, as a share of its typical size.
 const CHANGE: f64 = 1e-5;
 
-/// Least standard deviation of an ordinate, as a share of the largest ordinate: what a curve is known to at best.
+/// Least standard deviation of an ordinate, as a share of the largest ordinate.
 const ROUNDING: f64 = 1e-9;
 
-/// The named laws of a catalogue that live in the slot of a learned curve at a place, fitted to its ordinates with
-/// their covariance; the nearest first. `at` is the motion that [`curve`] asks for.
+/// The named laws of a catalogue in the slot of a learned curve at a place, fitted to its ordinates with their
+/// covariance; the nearest first. `at` is the motion for [`curve`].
 pub fn nearest(
     learned: &Curve,
     place: Place,
@@ -57,13 +57,13 @@ pub fn nearest(
     found
 }
 
-/// What a law is to meet.
+/// The target of a fit.
 struct Target<'a> {
     at: &'a Motion,
     /// Coordinates, and the learned law there.
     points: Vec<f64>,
     values: DVector<f64>,
-    /// Change of the law there with each ordinate.
+    /// Derivatives of the law there by each ordinate.
     parts: DMatrix<f64>,
     factor: Cholesky<f64, Dyn>,
 }
@@ -71,7 +71,8 @@ struct Target<'a> {
 impl<'a> Target<'a> {
     fn new(learned: &Curve, at: &'a Motion) -> Option<Self> {
         let points = learned.knots();
-        // What a law gives at its knots is not always an ordinate: a hysteresis, a force against negative velocity.
+        // The value of a law at a knot is not always its ordinate: for a hysteresis, or a force against
+        // negative velocity.
         let parts = super::parts(learned.effect, &learned.parameters, at, &points)?;
         let mut covariance = &parts * &learned.of_ordinates * parts.transpose();
         let values = &parts * DVector::from_column_slice(&learned.parameters[..points.len()]);
@@ -90,7 +91,7 @@ impl<'a> Target<'a> {
         })
     }
 
-    /// What is left in standard deviations; None where the law has no finite value.
+    /// The residual in standard deviations; `None` where the law has no finite value.
     fn residual(&self, effect: &Effect, values: &[f64]) -> Option<DVector<f64>> {
         let law = curve(effect, values, self.at, &self.points)?;
         let left = DVector::from_vec(law) - &self.values;
@@ -167,7 +168,7 @@ impl<'a> Target<'a> {
         Some((left.norm_squared(), values))
     }
 
-    /// Change of the residual with each parameter, in its typical size.
+    /// Derivatives of the residual by each parameter, in its typical size.
     fn jacobian(
         &self,
         effect: &Effect,
@@ -193,8 +194,8 @@ impl<'a> Target<'a> {
         Some(jacobian)
     }
 
-    /// Ranges of the coordinate where a law is outside of the band of the curve. What the ordinates cannot show
-    /// of it between their knots does not count.
+    /// Ranges of the coordinate where a law is outside of the band of the curve. Details of it that the
+    /// ordinates cannot represent between knots do not count.
     fn outside(&self, learned: &Curve, effect: &Effect, values: &[f64]) -> Option<Vec<(f64, f64)>> {
         let law = DVector::from_vec(curve(effect, values, self.at, &self.points)?);
         let ordinates = self.parts.clone().lu().solve(&(law - &self.values))?;
@@ -214,7 +215,7 @@ impl<'a> Target<'a> {
     }
 }
 
-/// A phase is told within half a turn of 0.
+/// Phases are reported within half a turn of 0.
 fn wrapped(effect: &Effect, mut values: Vec<f64>) -> Vec<f64> {
     for (parameter, value) in effect.parameters.iter().zip(&mut values) {
         if parameter.role == ParameterRole::Phase {

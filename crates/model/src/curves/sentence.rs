@@ -3,11 +3,11 @@
 use super::{Curve, Shape, Trend};
 use crate::effects::{Quantity, Slot, Units};
 
-/// Shares of energy beyond which a part stands for the whole: what is left of the amplitude is a seventh.
+/// Share of energy beyond which a part stands for the whole: the rest has a seventh of the amplitude.
 const NEARLY_ALL: f64 = 0.98;
 
 impl Shape {
-    /// A sentence that says what is known of a curve, in these units; without a unit's name for a number.
+    /// A sentence on the known properties of a curve, in these units; a number without unit has no unit name.
     pub fn sentence(&self, curve: &Curve, units: &Units) -> String {
         let [coordinate, law] = curve.slot.quantities();
         let unit = |quantity: Quantity| match quantity.unit(units) {

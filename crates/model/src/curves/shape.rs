@@ -1,21 +1,21 @@
-//! What a learned curve looks like, as far as it is known.
+//! The known properties of a learned curve.
 
 use super::{Curve, Estimate, energy};
 use crate::effects::Slot;
 use nalgebra::{DMatrix, DVector};
 
-/// Which way a curve goes.
+/// The direction of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trend {
-    /// It rises and nowhere falls.
+    /// It rises, and does not fall anywhere.
     Rises,
-    /// It falls and nowhere rises.
+    /// It falls, and does not rise anywhere.
     Falls,
     /// It does both.
     Both,
 }
 
-/// Growth like a power: `|f| ~ |x|^n` between two distances from 0.
+/// Growth by a power law: `|f| ~ |x|^n` between two distances from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
     /// The exponent `n`.
@@ -24,41 +24,41 @@ pub struct Growth {
     pub between: (f64, f64),
 }
 
-/// What is known of a curve at 95 %; what is not known is None.
+/// Properties of a curve that are known at 95 %; others are `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
     /// Share of the odd part in the energy `int f^2 dx`, over the widest range about 0: 1 is odd, 0 even.
     pub odd: Option<f64>,
-    /// Jump at 0: of a law over the velocity.
+    /// Jump at 0, for a law over the velocity.
     pub jump: Option<Estimate>,
-    /// Slope at 0; of a law over the velocity the mean of the slopes at rest in both directions.
+    /// Slope at 0; for a law over the velocity the mean of the slopes at rest in both directions.
     pub slope: Option<Estimate>,
     /// How it grows away from 0.
     pub growth: Option<Growth>,
     /// Whether it rises or falls.
     pub trend: Option<Trend>,
-    /// What it takes away: of friction force, of damping the coefficient, of a hysteresis the energy of the largest
-    /// loop.
+    /// Dissipation: for friction a force, for damping the coefficient, for a hysteresis the energy of the
+    /// largest loop.
     pub dissipated: Option<Estimate>,
 }
 
-/// Least share of the range that is to lie on the shorter side of 0, so that odd and even are told apart.
+/// Least share of the range on the shorter side of 0 for a separation of odd and even parts.
 const BOTH_SIDES: f64 = 0.2;
 
-/// Where growth is told: shares of the distance from 0 to the end of the range.
+/// Distances between which growth is measured, as shares of the distance from 0 to the end of the range.
 const GROWTH: (f64, f64) = (0.35, 0.95);
 
 /// Share of the energy below which a part is small: a third of the amplitude.
 const SMALL: f64 = 0.1;
 
-/// Largest half width of the band of an exponent that says something: that of 1 against 2.
+/// Largest useful half width of an exponent's 95 % interval: it separates 1 from 2.
 const VAGUE: f64 = 0.5;
 
-/// Points between which a rise or a fall is looked at: about a knot.
+/// Number of points over which a rise or a fall is tested: about a knot.
 const STRIDE: usize = 10;
 
 impl Curve {
-    /// What is known of it at 95 %.
+    /// The properties that are known at 95 %.
     pub fn shape(&self) -> Shape {
         let halves = self.halves();
         let odd = halves.as_ref().and_then(|halves| self.odd(halves));
@@ -72,8 +72,8 @@ impl Curve {
         }
     }
 
-    /// Weights of the odd and of the even part at distances from 0 that are visited on both sides; None where one side
-    /// is hardly visited.
+    /// Weights of the odd and of the even part at distances from 0 that are visited on both sides; `None` where
+    /// one side is hardly visited.
     fn halves(&self) -> Option<Halves> {
         let last = *self.points.last()?;
         let reach = last.min(-self.points[0]);
@@ -110,7 +110,8 @@ impl Curve {
         weights
     }
 
-    /// Share of the odd part, where at least one part is seen and the other one is, too, or is known to be small.
+    /// Share of the odd part, if at least one part is significant, and the other one is significant or known to
+    /// be small.
     fn odd(&self, halves: &Halves) -> Option<f64> {
         let [odd, even] = [&halves.odd, &halves.even].map(|part| self.energy(part));
         let small = |part: &Energy, other: &Energy| part.most < SMALL * other.found;
@@ -122,7 +123,7 @@ impl Curve {
         }
     }
 
-    /// Energy of a part, without that of its noise.
+    /// Energy of a part, less that of its noise.
     fn energy(&self, part: &DMatrix<f64>) -> Energy {
         let own = part * &self.values;
         let covariance = part * &self.covariance * part.transpose();
@@ -193,14 +194,14 @@ impl Curve {
             value: (b / a).ln() / way,
             std: change.std / way,
         };
-        // Of different signs there is no power: the logarithm is no number.
+        // With different signs there is no power law: the logarithm is NaN.
         let clear = exponent.value.is_finite() && exponent.band() < VAGUE;
         clear.then_some(Growth { exponent, between })
     }
 
-    /// Rises and falls over about a knot that are none of the noise, were it looked for among all of them.
+    /// Rises and falls over about a knot that are beyond noise, allowing for the number of tests.
     fn trend(&self) -> Option<Trend> {
-        // A jump is told apart.
+        // A jump is reported separately.
         let across = |from: usize| {
             self.rest()
                 .is_some_and(|rest| from < rest && rest <= from + STRIDE)
@@ -228,10 +229,10 @@ impl Curve {
     }
 }
 
-/// Quantile of the normal distribution that 5 % exceed.
+/// 95 % quantile of the normal distribution.
 const ONE_SIDED: f64 = 1.644_853_627;
 
-/// The same for the largest of some two dozen in either direction: 1 - 0.95^(1 / 48) is 0.1 %.
+/// The same for the largest of two dozen values in either direction: 1 - 0.95^(1 / 48) is 0.1 %.
 const MANY: f64 = 3.08;
 
 /// Energy of a part of a curve.
@@ -240,11 +241,11 @@ struct Energy {
     found: f64,
     /// The upper end of its one-sided interval of 95 %.
     most: f64,
-    /// Whether it is more than noise makes in one case of twenty.
+    /// Whether it is more than noise would give once in twenty cases.
     seen: bool,
 }
 
-/// Weights that make the odd and the even part of a curve.
+/// Weights of the odd and the even part of a curve.
 struct Halves {
     distances: Vec<f64>,
     odd: DMatrix<f64>,

@@ -54,8 +54,8 @@ pub const ASYMMETRIC_FRICTION: Effect = Effect {
     },
 };
 
-/// While it slides, Coulomb friction `F` and a constant force `F a`. At rest they differ: the constant force
-/// goes on.
+/// In sliding, Coulomb friction `F` and a constant force `F a`. At rest they differ: the constant force
+/// remains.
 fn parts(values: &[f64]) -> [Part; 2] {
     let (friction, asymmetry) = (values[0], values[1]);
     [

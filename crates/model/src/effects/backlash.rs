@@ -7,12 +7,12 @@ use super::{
 
 struct Backlash {
     half_gap: f64,
-    /// Share of the damper that does not need contact.
+    /// Share of the damper that acts without contact.
     film: f64,
 }
 
 impl Backlash {
-    /// How deep a flank is in contact, and its force as a deformation where that is above 0.
+    /// Depth of a flank's contact, and its force as a deformation where that is positive.
     fn contact(&self, side: f64, motion: &Motion, x: f64, v: f64) -> [f64; 2] {
         let depth = side * x - self.half_gap;
         let damper = (1.0 - self.film) * motion.damping / motion.stiffness;
@@ -21,7 +21,7 @@ impl Backlash {
 }
 
 impl Force for Backlash {
-    /// The force of the model's spring and damper is taken away; a flank pushes and never pulls.
+    /// The force of the model's spring and damper is subtracted; a flank pushes and never pulls.
     fn force(&self, motion: &Motion, x: f64, v: f64, memory: &Memory) -> f64 {
         let side = memory.state;
         let lost = motion.stiffness * x + (1.0 - self.film) * motion.damping * v;
@@ -34,7 +34,7 @@ impl Force for Backlash {
         }
     }
 
-    /// Which flank pushes: 1, -1 or, inside the gap and after a lift-off, 0.
+    /// The flank that pushes: 1, -1 or, inside the gap and after a lift-off, 0.
     fn advance(&self, motion: &Motion, x: f64, v: f64, _memory: &Memory) -> f64 {
         let [depth, push] = self.contact(x.signum(), motion, x, v);
         match depth > 0.0 && push > 0.0 {
@@ -43,7 +43,7 @@ impl Force for Backlash {
         }
     }
 
-    /// Above 0 while a flank pushes: it meets at the gap's edge and lifts off where its force is gone.
+    /// Positive while a flank pushes: contact begins at the gap's edge and ends where the force vanishes.
     fn switch(&self, motion: &Motion, x: f64, v: f64, memory: &Memory) -> Option<f64> {
         let switch = match memory.state {
             0.0 => {
@@ -100,7 +100,7 @@ pub const BACKLASH: Effect = Effect {
         }))
     },
     starts: |scales| {
-        // Dense, and the smallest first: the misfit has many minima over the gap.
+        // Dense, and the smallest first, since the misfit has many minima over the gap.
         let gaps = [
             5e-4, 0.001, 0.002, 0.004, 0.008, 0.015, 0.025, 0.04, 0.065, 0.1, 0.17, 0.3, 0.5, 0.85,
             1.5,

@@ -24,8 +24,8 @@ pub const BASE_MODE: Effect = Effect {
             name: "share",
             role: ParameterRole::Size,
             quantity: Quantity::NUMBER,
-            // Of either sign: the base moves with the reaction or against it, as its own resonance
-            // lies above or below the mode.
+            // Of either sign: the base moves with the reaction or against it, depending on whether its
+            // resonance lies above or below the mode.
             bounds: |_| (-1.0, 1.0),
             neutral: 0.0,
             typical: |_| 0.1,

@@ -1,4 +1,4 @@
-//! A spring of straight pieces.
+//! A piecewise linear spring.
 
 use super::grid::product;
 use super::{

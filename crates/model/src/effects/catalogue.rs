@@ -1,10 +1,10 @@
-//! A list of effects that is asked by names.
+//! A list of effects, with look-up by name.
 
 use super::{EFFECTS, Effect, LEARNED, PLACES, Place};
 
 /// Effects that may be missing from a model.
 ///
-/// All that is said or looked for goes through it; the default holds [`EFFECTS`].
+/// Search and reports use only this list; the default holds [`EFFECTS`].
 #[derive(Clone, Copy, Debug)]
 pub struct Catalogue(pub &'static [&'static Effect]);
 
@@ -15,19 +15,19 @@ impl Default for Catalogue {
 }
 
 impl Catalogue {
-    /// The effect of this name; learned laws are known beside every catalogue.
+    /// The effect of this name; learned laws are included in every catalogue.
     pub fn effect(self, name: &str) -> Option<&'static Effect> {
         let mut known = self.0.iter().chain(LEARNED).copied();
         known.find(|effect| effect.name == name)
     }
 
-    /// The first effect of which this is true.
+    /// The first effect that meets a condition.
     pub fn find(self, is: impl Fn(&Effect) -> bool) -> Option<&'static Effect> {
         self.0.iter().copied().find(|effect| is(effect))
     }
 
-    /// A name in a sentence; of names that are joined by ` + ` each. What is no effect, such as a key of the
-    /// model, is its own words.
+    /// Title of an effect's name within a sentence. Names joined by ` + ` are handled one by one. A name that
+    /// is no effect, such as a key of the model, is split into words.
     ///
     /// # Example
     /// ```

@@ -1,4 +1,4 @@
-//! A sensor's clock of wrong rate.
+//! A sensor clock with a wrong rate.
 
 use super::grid::sizes;
 use super::{
@@ -15,7 +15,7 @@ impl Sensor for Skew {
     }
 }
 
-/// The stamp `t` stands on what was at `t + s t`.
+/// The stamp `t` marks the motion at `t + s t`.
 pub const CLOCK_SKEW: Effect = Effect {
     name: "clock_skew",
     title: "clock skew",
@@ -38,7 +38,7 @@ pub const CLOCK_SKEW: Effect = Effect {
     starts: |scales| sizes(shift_of_deformation(scales), [-0.3, 0.3]),
 };
 
-/// The skew whose error at the end is as large as the deformation: what matters, and linear still.
+/// The skew whose error at the end is as large as the deformation: relevant, and still linear.
 fn shift_of_deformation(scales: &Scales) -> f64 {
     (scales.deformation / (scales.velocity * scales.duration())).min(0.05)
 }

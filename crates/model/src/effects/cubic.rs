@@ -1,4 +1,4 @@
-//! The curve between samples: a cubic through values and rates.
+//! Interpolation between samples: a cubic through values and rates.
 
 /// Values and rates: at each sample the slope of the parabola through it and its neighbours.
 pub(super) fn with_slopes(time: &[f64], values: &[f64]) -> Vec<[f64; 2]> {

@@ -2,11 +2,12 @@
 
 use super::{Effect, Force, Law, Memory, Motion, Reading, Slot};
 
-/// The static law of an effect, named or learned, at points of its slot's coordinate, in the unit of the slot: a
-/// force, a coefficient, a relative change, or what is added. None where its law is no curve ([`Effect::slot`]).
+/// The static law of an effect, named or learned, at points of its slot's coordinate, in the unit of the slot:
+/// a force, a coefficient, a relative change, or an addition. `None` if the law is no curve ([`Effect::slot`]).
 ///
-/// `at` says what else the law may see: the model's stiffness and damping ([`Model::still`](crate::Model::still)),
-/// and what the other coordinates are, as a rule 0. At velocity 0 dry friction has no value; it gives 0.
+/// `at` gives the other variables of the law: the model's stiffness and damping
+/// ([`Model::still`](crate::Model::still)), and the other coordinates, usually 0. At velocity 0 dry friction
+/// has no unique value; the result is 0.
 ///
 /// # Example
 /// ```
@@ -46,7 +47,7 @@ fn value(slot: Slot, law: &Law, at: &Motion, point: f64) -> Option<f64> {
     })
 }
 
-/// The force where something stands still at a point: a contact has the branch that it has there.
+/// The force at rest at a point; a contact has the branch of that point.
 fn held(law: &dyn Force, at: &Motion, point: f64) -> f64 {
     let mut memory = Memory {
         time: at.time,

@@ -1,4 +1,4 @@
-//! A drive that does nothing while its input is small.
+//! A drive that ignores small inputs.
 
 use super::grid::sizes;
 use super::{Drive, Effect, Law, Parameter, ParameterRole, Place, Property, Quantity, Slot};
@@ -16,7 +16,7 @@ impl Drive for DeadZone {
     }
 }
 
-/// Nothing for inputs up to `w`, and what is above `w` beyond: `sign(u) max(|u| - w, 0)`.
+/// 0 for inputs up to `w`, and the excess beyond: `sign(u) max(|u| - w, 0)`.
 pub const DEAD_ZONE: Effect = Effect {
     name: "dead_zone",
     title: "dead zone",

@@ -5,7 +5,7 @@ use super::{
     Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity, Slot,
 };
 
-/// Instants at which the link may have met a stop that are looked at.
+/// Number of candidate instants of a contact that are tried.
 const CANDIDATES: usize = 3;
 
 struct EndStop {
@@ -38,7 +38,7 @@ impl Force for EndStop {
         f64::from(u8::from(depth > 0.0 && push > 0.0))
     }
 
-    /// Above 0 in contact: it is met where the depth, and comes off where the force vanishes.
+    /// Positive in contact, which begins where the depth vanishes and ends where the force vanishes.
     fn switch(&self, _motion: &Motion, x: f64, v: f64, memory: &Memory) -> Option<f64> {
         let [depth, push] = self.contact(x, v);
         let switch = if memory.state == 0.0 {
@@ -111,7 +111,7 @@ pub const END_STOP: Effect = Effect {
         let stiffness = scales.force / scales.deformation;
         let damping = 0.02 * scales.period();
         let range = reach(scales);
-        // Depths that count are of the size of the deformation or of the range.
+        // Relevant depths are of the size of the deformation or of the range.
         let depths = [
             0.2 * scales.deformation,
             scales.deformation,
@@ -126,10 +126,11 @@ pub const END_STOP: Effect = Effect {
         };
         let ends = [-1.0, 1.0].into_iter();
         let ends = ends.flat_map(|side| depths.map(|depth| start(depth, side)));
-        // Or the link met it when something seemed to happen.
+        // Or the link met the stop at a candidate event.
         let met = scales.candidate_stops.iter().take(CANDIDATES);
         let met = met.flat_map(|&[position, side]| {
-            // What touched it a little earlier, or a little harder, leads to it; what did not touch it does not.
+            // A start with a somewhat earlier or harder contact leads to the optimum; a start without contact
+            // does not.
             let inside =
                 |depth: f64| (position - side * depth).clamp(scales.position.0, scales.position.1);
             let depths = [0.0, 0.3, 1.0].map(|share| inside(share * scales.deformation));

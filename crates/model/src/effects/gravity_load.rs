@@ -42,7 +42,7 @@ pub const GRAVITY_LOAD: Effect = Effect {
         PHASE,
     ],
     properties: &[
-        // Where the axis turns by little.
+        // The limit for a small range of angles.
         Property::Contains(&FORCE_OFFSET),
         Property::Alike(Likeness::Pose),
         Property::Slot(Slot::PositionForce),

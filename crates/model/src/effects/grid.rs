@@ -1,15 +1,15 @@
-//! Values to try first: products of sizes, and where in time, frequency and position to look.
+//! Starting values: products of sizes, and instants, frequencies and positions to try.
 //!
-//! Each costs a simulation. An effect whose trace grows in proportion to its size needs one size of
-//! each sign, or four phases; one whose trace changes its shape with the size needs a grid.
+//! Each costs a simulation. An effect whose response is proportional to its size needs one size of each sign,
+//! or four phases. An effect whose response changes its shape with the size needs a grid.
 
 use super::Scales;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Four phases a quarter turn apart: whatever the phase, one of them is within 45 degrees of it.
+/// Four phases a quarter turn apart: one of them is always within 45 degrees of the true one.
 pub(super) const PHASES: [f64; 4] = [-FRAC_PI_2, 0.0, FRAC_PI_2, 0.99 * PI];
 
-/// A phase may pass half a turn in either direction without meeting a bound.
+/// Bounds that let a phase move half a turn in either direction.
 pub(super) fn phase_bounds(_scales: &Scales) -> (f64, f64) {
     (-TAU, TAU)
 }
@@ -28,7 +28,7 @@ pub(super) fn product(axes: &[&[f64]]) -> Vec<Vec<f64>> {
     })
 }
 
-/// Candidates within bounds first, then the coarse grid, `count` in all.
+/// Candidates within bounds first, then a coarse grid; `count` in all.
 fn fill(
     candidates: &[f64],
     coarse: impl IntoIterator<Item = f64>,
@@ -44,7 +44,7 @@ fn fill(
         .collect()
 }
 
-/// Instants to look at.
+/// Instants to try.
 pub(super) fn times(scales: &Scales, count: usize) -> Vec<f64> {
     let found = scales.candidate_events.len().min(count / 2);
     let rest = count - found;
@@ -58,7 +58,7 @@ pub(super) fn times(scales: &Scales, count: usize) -> Vec<f64> {
     )
 }
 
-/// Angular frequencies of a further mode: from a soft base to a stiff part, and what stands out.
+/// Bounds of angular frequencies of a further mode: from a soft base to a stiff part, and the candidates.
 pub(super) fn frequency_bounds(scales: &Scales) -> (f64, f64) {
     let own = scales.natural_frequency;
     let highest = scales
@@ -66,12 +66,12 @@ pub(super) fn frequency_bounds(scales: &Scales) -> (f64, f64) {
         .iter()
         .copied()
         .fold(0.0, f64::max);
-    // A period that fills half the recording can still be told from a drift.
+    // A period of half the recording can still be distinguished from a drift.
     let lowest = (2.0 * TAU / scales.duration()).min(0.1 * own);
     (lowest, (20.0 * own).max(2.0 * highest))
 }
 
-/// Angular frequencies to look at.
+/// Angular frequencies to try.
 pub(super) fn frequencies(scales: &Scales, count: usize) -> Vec<f64> {
     let found = scales.candidate_frequencies.len().min(count / 2);
     // Stiff parts, a soft base, and a load that hangs like a pendulum, near 1 Hz.
@@ -86,17 +86,17 @@ pub(super) fn reach(scales: &Scales) -> f64 {
     scales.travel().max(scales.deformation)
 }
 
-/// The order that a mode of the axis meets at full speed: `N v = w`.
+/// The order that excites the axis' mode at full speed: `N v = w`.
 pub(super) fn resonant_order(scales: &Scales) -> f64 {
     scales.natural_frequency / scales.velocity
 }
 
-/// Radians per unit of position that a periodic error may have.
+/// Bounds of the orders of a periodic error, in radians per unit of position.
 pub(super) fn order_bounds(scales: &Scales) -> (f64, f64) {
     let most = scales.candidate_orders.iter().copied().fold(0.0, f64::max);
     let fastest = (300.0 * TAU / reach(scales)).max(30.0 * resonant_order(scales));
-    // On a spring to ground less than a period is the offset, slope and cubic of the spring's own law; on
-    // an axis without any spring a constant force and what changes slowly with the place.
+    // With a spring to ground, less than a period is equivalent to offset, slope and cubic of the spring's law.
+    // Without any spring it is equivalent to a constant force and a slow change with position.
     let slowest = match scales.forced || scales.rigid {
         true => TAU / reach(scales),
         false => (0.5 * TAU / reach(scales)).min(0.3 * resonant_order(scales)),
@@ -104,7 +104,7 @@ pub(super) fn order_bounds(scales: &Scales) -> (f64, f64) {
     (slowest, fastest.max(2.0 * most))
 }
 
-/// Orders to look at.
+/// Orders to try.
 pub(super) fn orders(scales: &Scales, count: usize) -> Vec<f64> {
     let found = scales.candidate_orders.len().min(count.div_ceil(2));
     let resonant = [1.0, 2.0, 0.5, 4.0].map(|factor| factor * resonant_order(scales));

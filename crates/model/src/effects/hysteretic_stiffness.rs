@@ -8,12 +8,12 @@ use super::{
 
 struct BoucWen {
     share: f64,
-    /// How the hysteretic part yields while it grows and while it shrinks.
+    /// Yield of the hysteretic part as it grows and as it shrinks.
     growing: Yield,
     shrinking: Yield,
 }
 
-/// `dz/du = 1 - a z - b z^2`, a Riccati equation of constant coefficients.
+/// `dz/du = 1 - a z - b z^2`, a Riccati equation with constant coefficients.
 #[derive(Clone, Copy)]
 struct Yield {
     linear: f64,
@@ -42,7 +42,7 @@ impl Yield {
         z + slope * 2.0 * t / (1.0 + (self.linear + 2.0 * self.quadratic * z) * t)
     }
 
-    /// How far it is from `z < 0` to 0.
+    /// Distance from `z < 0` to 0.
     fn way_to_zero(&self, z: f64) -> f64 {
         let discriminant = self.linear * self.linear + 4.0 * self.quadratic;
         let root = discriminant.abs().sqrt();
@@ -57,14 +57,14 @@ impl Yield {
     }
 }
 
-/// A deformation whose square is still a number.
+/// A deformation whose square is not yet zero in floating point.
 const SMALLEST: f64 = 1e-100;
-/// Arguments below which a tangent is its argument to the last digit.
+/// Arguments below which the tangent equals its argument in floating point.
 const SMALL: f64 = 1e-9;
 
 impl BoucWen {
-    /// `dz/dx = 1 - (beta sign(x') + gamma sign(z)) z |z|^(n - 1)`, exact for a step in one direction: at
-    /// most two pieces, from the present value to 0 and on.
+    /// `dz/dx = 1 - (beta sign(x') + gamma sign(z)) z |z|^(n - 1)`, exact for a step in one direction: at most
+    /// two pieces, from the present value to 0 and onwards.
     fn hysteretic(&self, x: f64, memory: &Memory) -> f64 {
         let travel = x - memory.position;
         let (sense, travel) = (travel.signum(), travel.abs());

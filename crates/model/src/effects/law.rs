@@ -37,7 +37,7 @@ pub struct Memory {
     pub states: [f64; STATES],
 }
 
-/// Most states of a law beside its own.
+/// Most further states of a law.
 pub const STATES: usize = 8;
 
 /// A force that opposes the coordinate of its place: positive resists positive motion.
@@ -49,21 +49,20 @@ pub trait Force: Send + Sync {
     /// The force at `x`, `v`, for a memory written at the start of the step.
     fn force(&self, motion: &Motion, x: f64, v: f64, memory: &Memory) -> f64;
 
-    /// The state at the end of a step that leads to this motion, `x` and `v`; called once at the start
-    /// of the motion, too. The step does not cross a zero of [`Force::switch`].
+    /// The state at the end of a step that leads to this motion, `x` and `v`. It is also called once at the
+    /// start of the motion. The step does not cross a zero of [`Force::switch`].
     fn advance(&self, _motion: &Motion, _x: f64, _v: f64, memory: &Memory) -> f64 {
         memory.state
     }
 
-    /// Brings the memory to the end of the step. A law of one state gives it with [`Force::advance`].
+    /// Updates the memory to the end of the step. A law of one state implements [`Force::advance`] instead.
     fn remember(&self, motion: &Motion, x: f64, v: f64, memory: &mut Memory) {
         memory.state = self.advance(motion, x, v, memory);
         (memory.position, memory.time) = (x, motion.time);
     }
 
-    /// A function whose change of sign is a corner of the force: the integrator ends a step there, on
-    /// the far side. A force that jumps keeps its branch in its state, so that it is smooth within a
-    /// step.
+    /// A function whose change of sign marks a corner of the force; the integrator ends a step there, on the
+    /// far side. A force that jumps stores its branch in its state, so that it is smooth within a step.
     fn switch(&self, _motion: &Motion, _x: f64, _v: f64, _memory: &Memory) -> Option<f64> {
         None
     }
@@ -84,21 +83,21 @@ pub struct Friction {
     pub breakaway: [f64; 2],
     /// Stribeck velocity `v_s`, above 0.
     pub stribeck_velocity: f64,
-    /// Velocity `v_0` of friction that grows as `F_c tanh(v / v_0)` and does not hold at rest; 0 where it jumps.
+    /// Velocity `v_0` of friction that grows as `F_c tanh(v / v_0)` and does not stick; 0 where it jumps.
     pub transition_velocity: f64,
-    /// Levels over the speed for positive and for negative slip velocity, instead of the above; what is below 0
-    /// counts as 0.
+    /// Levels over the speed for positive and for negative slip velocity, instead of the above; negative values
+    /// count as 0.
     pub levels: Option<Box<[Spline; 2]>>,
 }
 
-/// How the level of friction falls or rises with the speed.
+/// Change of the friction level with the speed.
 #[derive(Clone, Copy)]
 pub(crate) struct Change {
-    /// By how much the speed may change within a step of the integration that follows it.
+    /// Largest change of the speed within a step of the integration.
     pub step: f64,
-    /// By how much it falls or rises at most.
+    /// Largest change of the force.
     pub force: f64,
-    /// Speed beyond which it does neither.
+    /// Speed beyond which the level is constant.
     pub until: f64,
 }
 
@@ -111,8 +110,8 @@ impl Change {
 }
 
 impl Friction {
-    /// Friction that slides against these levels over the speed, for positive and for negative slip velocity, and
-    /// sticks up to those at speed 0.
+    /// Friction with these levels over the speed, for positive and for negative slip velocity; it sticks up to
+    /// those at speed 0.
     pub fn over_speed(levels: [Spline; 2]) -> Self {
         let at_rest = [0, 1].map(|side: usize| levels[side].value(0.0).max(0.0));
         Self {
@@ -124,7 +123,7 @@ impl Friction {
         }
     }
 
-    /// How the level changes with the speed; not at all at [`Change::NONE`].
+    /// Change of the level with the speed; [`Change::NONE`] for a constant level.
     pub(crate) fn change(&self) -> Change {
         if let Some(levels) = &self.levels {
             return levels.iter().fold(Change::NONE, |most, level| Change {
@@ -135,7 +134,7 @@ impl Friction {
         }
         if self.transition_velocity > 0.0 {
             return Change {
-                // A rise does not run away: RK4 follows it in steps up to 2.8 of its time constants.
+                // A rise is stable: RK4 is stable in steps up to 2.8 of its time constants.
                 step: 2.0 * self.transition_velocity,
                 force: self.kinetic[0].max(self.kinetic[1]),
                 // It is 1 to .005 there.
@@ -151,7 +150,7 @@ impl Friction {
         }
     }
 
-    /// Its level at a slip speed in the direction of `sign`.
+    /// Level at a slip speed in the direction of `sign`.
     #[inline]
     pub fn level(&self, sign: f64, speed: f64) -> f64 {
         let side = usize::from(sign < 0.0);
@@ -181,7 +180,7 @@ pub trait Drive: Send + Sync {
         values.iter_mut().for_each(|v| *v = self.map(*v));
     }
 
-    /// Whether [`Drive::map`] says it all, so that it can act inside a position loop.
+    /// Whether [`Drive::map`] is the whole effect, so that it can act inside a position loop.
     fn is_static(&self) -> bool {
         true
     }
@@ -204,9 +203,9 @@ pub trait Inertia: Send + Sync {
     }
 }
 
-/// A further mode: `eta'' + 2 xi w eta' + w^2 eta` is driven as the first mode is, and the sensor sees
-/// `(1 - share) first + share eta` where the chain is driven by its motor side (a sensor that sits on
-/// an inertia stays where it is at infinite frequency), `first + share eta` where a force drives it.
+/// A further mode: `eta'' + 2 xi w eta' + w^2 eta` is driven as the first mode is. If the motor side drives the
+/// chain, the sensor sees `(1 - share) first + share eta`, since a sensor on an inertia stands still at
+/// infinite frequency. If a force drives it, the sensor sees `first + share eta`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resonance {
     /// Natural frequency, rad/s, above 0.
@@ -230,7 +229,7 @@ pub struct Reading {
 
 /// The reading that a sensor makes of the motion.
 pub trait Sensor: Send + Sync {
-    /// The instant that the sensor shows at this time: a delay, a clock that runs fast.
+    /// The instant that the sensor shows at this time, for a delay or a clock that runs fast.
     fn instant(&self, time: f64) -> f64 {
         time
     }
@@ -240,8 +239,8 @@ pub trait Sensor: Send + Sync {
         false
     }
 
-    /// Replaces values and rates at increasing times by the filtered ones, which `start` with these;
-    /// without them the first value is taken to have been there for ever.
+    /// Replaces values and rates at increasing times by the filtered ones. The filter starts at `start`;
+    /// without it the input was constant before.
     fn filter(&self, _time: &[f64], _curve: &mut [[f64; 2]], _start: Option<[f64; 2]>) {}
 
     /// The value that is shown.
@@ -250,13 +249,13 @@ pub trait Sensor: Send + Sync {
     }
 }
 
-/// How an effect enters the chain.
+/// The way in which an effect enters the chain.
 pub enum Law {
     /// A force at the effect's place.
     Force(Box<dyn Force>),
     /// Dry friction at the effect's place.
     Friction(Friction),
-    /// In front of the drive.
+    /// A change of the drive's input.
     Drive(Box<dyn Drive>),
     /// Added to the motor side position that the transmission sees: `u -> u + f(u)`, with `f` and its
     /// derivative.
@@ -272,6 +271,6 @@ pub enum Law {
         /// Jump of the velocity.
         size: f64,
     },
-    /// In the sensor.
+    /// A change of the sensor's reading.
     Sensor(Box<dyn Sensor>),
 }

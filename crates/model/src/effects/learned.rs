@@ -1,19 +1,19 @@
-//! What all learned laws have: ordinates at equally spaced knots, and the range over which these lie.
+//! Common parts of learned laws: ordinates at equally spaced knots, and the range of these.
 
 use super::{Force, Memory, Motion, Parameter, ParameterRole, Quantity, Scales, Spline};
 
-/// Ordinates of a learned law.
+/// Number of ordinates of a learned law.
 pub const KNOTS: usize = 12;
 
 /// Its parameters: the ordinates, in the order of their knots, and the two ends of the range.
 pub(super) const PARAMETERS: usize = KNOTS + 2;
 
-/// Names of ordinates in a table of parameters. A file writes them as one list.
+/// Names of ordinates in a table of parameters; a file contains them as one list.
 const NAMES: [&str; KNOTS] = [
     "y0", "y1", "y2", "y3", "y4", "y5", "y6", "y7", "y8", "y9", "y10", "y11",
 ];
 
-/// An ordinate of a law; [`parameters`] gives it its name.
+/// An ordinate of a law; [`parameters`] sets its name.
 pub(super) const fn ordinate(
     quantity: Quantity,
     bounds: fn(&Scales) -> (f64, f64),
@@ -46,7 +46,7 @@ pub(super) const fn parameters<const PARAMETERS: usize>(
     parameters
 }
 
-/// An end of a range. It is never fitted: no step of a fit has the size `typical`.
+/// An end of a range. It is never fitted, so that `typical` is not used as a step.
 const fn end(name: &'static str, quantity: Quantity, typical: fn(&Scales) -> f64) -> Parameter {
     Parameter {
         name,
@@ -65,7 +65,7 @@ pub(super) fn start<const PARAMETERS: usize>((from, to): (f64, f64)) -> Vec<f64>
     values
 }
 
-/// Ordinates, and where they begin and end.
+/// Ordinates, and the ends of the range.
 pub(super) fn split(values: &[f64]) -> (&[f64], f64, f64) {
     match values {
         [ordinates @ .., from, to] => (ordinates, *from, *to),

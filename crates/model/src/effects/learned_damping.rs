@@ -26,7 +26,7 @@ pub const LEARNED_DAMPING: Effect = Effect {
             Quantity::new(1, -1, 1),
             |scales| {
                 let unit = scales.force / scales.deformation;
-                // Below 0 it takes from the model's own damper, and not more than that has.
+                // A negative value reduces the model's own damper, at most to 0.
                 let own = 2.0 * scales.damping_ratio / scales.natural_frequency * unit;
                 (-own, 10.0 * scales.force / scales.deformation_rate)
             },

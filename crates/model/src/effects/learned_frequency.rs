@@ -3,7 +3,7 @@
 use super::learned::{PARAMETERS, ordinate, parameters, spline, start};
 use super::{Effect, Inertia, Law, Place, Property, Quantity, Slot, Spline};
 
-/// Least factor on the inertia: it stays above 0 where the curve does not.
+/// Least factor on the inertia, which stays positive where the curve does not.
 const LEAST: f64 = 0.1;
 
 struct Curve(Spline);

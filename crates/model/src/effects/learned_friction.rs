@@ -3,8 +3,8 @@
 use super::learned::{PARAMETERS, ordinate, parameters, split, start};
 use super::{Effect, Friction, Law, Parameter, Place, Property, Quantity, Slot, Spline};
 
-/// Dry friction whose level depends on the slip speed in any way, in each direction in its own: it sticks up to
-/// the level at speed 0 and slides against the level at its speed.
+/// Dry friction whose level depends on the slip speed in any way, separately in each direction. It sticks up to
+/// the level at speed 0, and slides with the level at its speed.
 ///
 /// The first half of the ordinates are the levels of negative slip velocity, from the fastest to 0, the second
 /// half those of positive velocity, from 0 to the fastest.
@@ -38,7 +38,7 @@ pub const LEARNED_FRICTION: Effect = Effect {
         ]))
     },
     starts: |scales| {
-        // The two sides of the axis are as fast as each other, but for the ringing.
+        // Both sides of the axis have the same speed, apart from the vibration.
         let speeds = scales.visited_motor_velocity();
         [speeds, scales.visited_slip(), speeds]
             .map(start::<PARAMETERS>)
@@ -46,7 +46,7 @@ pub const LEARNED_FRICTION: Effect = Effect {
     },
 };
 
-/// The range holds 0: it has a branch in each direction.
+/// The range includes 0, since each direction has its own branch.
 const fn both_ways(mut parameters: [Parameter; PARAMETERS]) -> [Parameter; PARAMETERS] {
     parameters[PARAMETERS - 2].bounds = |_| (f64::MIN, 0.0);
     parameters[PARAMETERS - 1].bounds = |_| (0.0, f64::MAX);

@@ -3,7 +3,7 @@
 use super::learned::{OverPosition, PARAMETERS, ordinate, parameters, spline, start};
 use super::{Effect, Law, Place, Property, Quantity, Slot};
 
-/// A force that depends on where the axis is: `F = f(x)`.
+/// A force that depends on the position of the axis: `F = f(x)`.
 pub const LEARNED_POSITION_FORCE: Effect = Effect {
     name: "learned_position_force",
     title: "learned force over position",

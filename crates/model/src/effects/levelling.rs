@@ -1,9 +1,8 @@
-//! How far a drift has come that slows down.
+//! The course of a drift that levels off.
 
 use super::{Parameter, ParameterRole, Quantity};
 
-/// `(1 - exp(-s t)) / s`, which is `t` where nothing slows it down (`s = 0`): it begins with the slope 1
-/// and levels off at `1 / s`.
+/// `(1 - exp(-s t)) / s`, or `t` for `s = 0`: the initial slope is 1, and it levels off at `1 / s`.
 pub(super) fn levelling(time: f64, settling: f64) -> f64 {
     match settling == 0.0 {
         true => time,
@@ -11,8 +10,8 @@ pub(super) fn levelling(time: f64, settling: f64) -> f64 {
     }
 }
 
-/// The rate at which a drift settles. It slows down within a twentieth of the recording at the soonest: sooner
-/// it is a step.
+/// The rate at which a drift levels off. The time constant is at least a twentieth of the recording: a shorter
+/// one is a step.
 pub(super) const SETTLING_RATE: Parameter = Parameter {
     name: "settling_rate",
     role: ParameterRole::Shape,

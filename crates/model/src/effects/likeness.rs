@@ -1,21 +1,21 @@
-//! How effects look alike that no motion tells apart, and what would tell them.
+//! Likenesses of effects that no motion distinguishes, and the remedies.
 
-/// A way in which effects look alike in every motion, those with the narrower meaning first.
+/// A way in which effects are alike in every motion, those with the narrower meaning first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Likeness {
-    /// Seen from the link, a base that rings and a second link that rings differ by their frequency only.
+    /// In the link's motion a mode of the base and one of a second link differ by their frequency only.
     Resonance,
-    /// Far above the motion a mode bends with the first one.
+    /// A mode far above the motion bends in proportion to the first one.
     Flexibility,
     /// A function of the pose alone.
     Pose,
-    /// To first order a shift in time, as a lag, a delay and drag are.
+    /// A shift in time to first order, as by a lag, a delay and drag.
     ShiftInTime,
     /// The difference shows at rest and at the lowest speeds.
     LowSpeed,
 }
 
-/// All of them; what several have in common is told by the first.
+/// All of them; if effects share several, the first one counts.
 pub const LIKENESSES: &[Likeness] = &[
     Likeness::Resonance,
     Likeness::Flexibility,
@@ -25,7 +25,8 @@ pub const LIKENESSES: &[Likeness] = &[
 ];
 
 impl Likeness {
-    /// Advice that tells effects apart that are alike in this way: a change of payload, mounting or sensor.
+    /// Advice on how to distinguish effects that are alike in this way: a change of payload, mounting or
+    /// sensor.
     pub fn remedy(self) -> &'static str {
         match self {
             Self::Resonance => "a sensor on the base, which a second mode of the arm leaves still",

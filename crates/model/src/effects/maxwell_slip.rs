@@ -6,10 +6,10 @@ use super::{Effect, Force, Law, Memory, Motion, Place, Property, Quantity, STATE
 /// Elements, and the ends of the range of their slip distances.
 const PARAMETERS: usize = STATES + 2;
 
-/// Longest over shortest slip distance: a factor of 2 from each to the next.
+/// Ratio of longest to shortest slip distance: a factor of 2 from each to the next.
 const RANGE: f64 = 128.0;
 
-/// What is left of a slip distance when an element is said to slip: rounding.
+/// Remaining part of a slip distance that counts as slipping: rounding.
 const ROUNDING: f64 = 1e-12;
 
 struct MaxwellSlip {
@@ -18,15 +18,15 @@ struct MaxwellSlip {
     slip: [f64; STATES],
 }
 
-/// Slip distances of the elements for values of the parameters, each the same factor beyond the one before. A range
-/// that does not begin above 0 begins where the usual one does.
+/// Slip distances of the elements for values of the parameters, in a geometric series. If the range does not
+/// begin above 0, it begins at the usual value.
 pub(crate) fn slip_distances(values: &[f64]) -> [f64; STATES] {
     let (_, from, to) = split(values);
     let from = if from > 0.0 { from } else { to / RANGE };
     let factor = (to / from).powf(1.0 / (STATES - 1) as f64);
     std::array::from_fn(|k| {
         let distance = from * factor.powi(k as i32);
-        // What is no distance holds nothing.
+        // An element with an invalid distance bears no force.
         if distance.is_finite() {
             distance.max(0.0)
         } else {
@@ -49,7 +49,7 @@ impl MaxwellSlip {
         }
     }
 
-    /// Deflection of an element after a way in one direction.
+    /// Deflection of an element after a distance in one direction.
     fn deflection(&self, k: usize, x: f64, memory: &Memory) -> f64 {
         let slip = self.slip[k];
         (memory.states[k] + (x - memory.position)).clamp(-slip, slip)
@@ -74,7 +74,7 @@ impl Force for MaxwellSlip {
         (memory.position, memory.time) = (x, motion.time);
     }
 
-    /// Above 0 until the next element starts to slip, or what slips turns round.
+    /// Positive until the next element starts to slip, or a slipping one reverses.
     fn switch(&self, _motion: &Motion, x: f64, v: f64, memory: &Memory) -> Option<f64> {
         let (travel, sense) = (x - memory.position, memory.state);
         let mut left: Option<f64> = None;
@@ -119,7 +119,7 @@ pub const MAXWELL_SLIP: Effect = Effect {
     starts: |scales| vec![start::<PARAMETERS>(distances(scales))],
 };
 
-/// Shortest and longest slip distance: beyond the largest deformation nothing slips.
+/// Shortest and longest slip distance; beyond the largest deformation nothing slips.
 fn distances(scales: &Scales) -> (f64, f64) {
     let (from, to) = scales.visited_deformation();
     let largest = to.max(-from);

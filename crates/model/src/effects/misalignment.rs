@@ -1,4 +1,4 @@
-//! A sensor that is not on the axis.
+//! A sensor whose axis is off the joint's axis.
 
 use super::grid::{PHASES, product, reach};
 use super::shared_parameters::PHASE;
@@ -17,7 +17,7 @@ impl Sensor for Eccentricity {
     }
 }
 
-/// An error that goes once round with the pose: `y + A sin(y + phase)`.
+/// An error with one period per turn: `y + A sin(y + phase)`.
 pub const MISALIGNMENT: Effect = Effect {
     name: "misalignment",
     title: "misalignment",

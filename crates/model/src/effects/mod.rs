@@ -1,10 +1,10 @@
 //! The catalogue of physics that a model of an axis may lack.
 //!
-//! An [`Effect`] is one file and one line in [`EFFECTS`]. It says where it sits in the chain from
-//! drive to sensor, what its parameters are, and gives the [`Law`] that the model integrates. A law
-//! with its size at its neutral value changes nothing, to the bit. All else that the program must know
-//! of it, it says in words and in [properties](Property); nobody else knows it by its name.
-//! [`LEARNED`] has the laws whose shape is learned: their parameters are their values at knots.
+//! An [`Effect`] is one file and one line in [`EFFECTS`]. It states its place in the chain from drive to sensor
+//! and its parameters, and gives the [`Law`] that the model integrates. A law at its neutral size changes
+//! nothing, to the bit. Everything else about it that the program needs is in its texts and
+//! [properties](Property); no other code refers to it by name. [`LEARNED`] has the laws whose shape is learned:
+//! their parameters are their values at knots.
 //!
 //! Forces are in the unit of the model: N or N.m where an inertia is known; divided by the joint's
 //! stiffness, so in rad, where only its natural frequency is (`flexible_joint`, `oscillator`).
@@ -103,7 +103,7 @@ pub enum Place {
     Link,
     /// Under the robot.
     Base,
-    /// In what the sensor makes of the motion.
+    /// In the sensor's response to the motion.
     Sensor,
     /// Outside the machine.
     Environment,
@@ -140,7 +140,7 @@ pub struct Effect {
     pub name: &'static str,
     /// Its name within a sentence.
     pub title: &'static str,
-    /// Where it can sit.
+    /// Possible places.
     pub places: &'static [Place],
     /// The physics, in a few sentences, with a source.
     pub physics: &'static str,
@@ -152,8 +152,8 @@ pub struct Effect {
     pub properties: &'static [Property],
     /// The law for values of the parameters, in their order, SI.
     pub law: fn(&[f64]) -> Law,
-    /// Values to try first, each in the order of the parameters, for a motion of these scales. The
-    /// grid spans the sizes that matter: from what is barely seen to what dominates.
+    /// Values to try first, each in the order of the parameters, for a motion of these scales. The grid covers
+    /// the relevant sizes: from barely visible to dominant.
     pub starts: fn(&Scales) -> Vec<Vec<f64>>,
 }
 
@@ -202,8 +202,8 @@ pub const EFFECTS: &[&Effect] = &[
     &external_disturbance::EXTERNAL_DISTURBANCE,
 ];
 
-/// Laws whose shape is learned, one or more for each [`Slot`]: what a recording says where no law of the
-/// catalogue does.
+/// Laws whose shape is learned, one or more for each [`Slot`], for recordings that no law of the catalogue
+/// explains.
 pub const LEARNED: &[&Effect] = &[
     &learned_friction::LEARNED_FRICTION,
     &learned_position_force::LEARNED_POSITION_FORCE,
@@ -238,21 +238,22 @@ impl Effect {
         self.index(ParameterRole::Size).unwrap_or(0)
     }
 
-    /// Whether it is not there, to the bit, for these values.
+    /// Whether the effect vanishes, to the bit, for these values.
     pub fn vanishes(&self, values: &[f64]) -> bool {
         self.sizes(values)
             .all(|(parameter, value)| value == parameter.neutral)
     }
 
-    /// Whether it does nothing that could be seen for these values, in a motion of these scales: its size, or all
-    /// ordinates of a learned law, within a thousandth of what is typical.
+    /// Whether the effect is invisible for these values, in a motion of these scales: its size, or all
+    /// ordinates of a learned law, are within a thousandth of the typical value.
     pub fn is_negligible(&self, values: &[f64], scales: &Scales) -> bool {
         self.sizes(values).all(|(parameter, value)| {
             (value - parameter.neutral).abs() < 1e-3 * (parameter.typical)(scales).abs()
         })
     }
 
-    /// The parameters without which it is not there: its size, or the ordinates of a learned law; with their values.
+    /// The parameters without which the effect vanishes, with their values: its size, or the ordinates of a
+    /// learned law.
     fn sizes<'v>(
         &self,
         values: &'v [f64],
@@ -261,7 +262,7 @@ impl Effect {
         all.filter(|own| matches!(own.0.role, ParameterRole::Size | ParameterRole::Ordinate))
     }
 
-    /// A parameter's name in words; it writes proper names as the title does.
+    /// A parameter's name in words; proper names are spelled as in the title.
     pub fn parameter_title(&self, name: &str) -> String {
         let proper = |word: &str| {
             let mut own = self.title.split(' ');
@@ -274,7 +275,7 @@ impl Effect {
     }
 }
 
-/// Effects are the same whose names are.
+/// Effects with the same name are equal.
 impl PartialEq for Effect {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name

@@ -14,18 +14,18 @@ pub struct Quantity {
     pub position: i8,
     /// Power of the second.
     pub time: i8,
-    /// Power of the unit of what the drive is given: a force, a current, a voltage, a position.
+    /// Power of the unit of the drive's input: a force, a current, a voltage, a position.
     pub input: i8,
 }
 
-/// The units of a model that is driven in a certain way.
+/// The units of a model for a given input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Units {
     /// Of force.
     pub force: String,
     /// Of position.
     pub position: String,
-    /// Of what the drive is given.
+    /// Of the drive's input.
     pub input: String,
 }
 
@@ -126,25 +126,25 @@ impl Quantity {
 /// The role of a parameter in its effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterRole {
-    /// How large it is: the effect vanishes at the neutral value, whatever its other parameters are. Every
-    /// effect of the catalogue has one.
+    /// Its size: the effect vanishes at the neutral value for any values of the other parameters. Every effect
+    /// of the catalogue has one.
     Size,
-    /// When it happens.
+    /// Time of an event.
     Time,
-    /// Where it happens.
+    /// Position at which it acts.
     Position,
     /// Angular frequency of a mode of its own.
     Frequency,
-    /// Radians for a unit of position.
+    /// Radians per unit of position.
     Order,
-    /// Phase of what is periodic.
+    /// Phase of a periodic effect.
     Phase,
     /// The shape of its law at a given size: a ratio, an exponent, a length, a time constant.
     Shape,
-    /// Value of a learned law at a knot; the effect vanishes where all of them are neutral.
+    /// Value of a learned law at a knot; the effect vanishes where all values are neutral.
     Ordinate,
-    /// End of the range over which the knots of a learned law lie: what was visited when it was learned. It is
-    /// never fitted.
+    /// End of the range of a learned law's knots: the range that was visited when it was learned. It is never
+    /// fitted.
     Range,
 }
 
@@ -159,9 +159,8 @@ pub struct Parameter {
     pub quantity: Quantity,
     /// Least and greatest value that physics allows for a motion of these scales.
     pub bounds: fn(&Scales) -> (f64, f64),
-    /// Value at which the effect vanishes, of its size; a harmless one of the others.
+    /// For the size, the value at which the effect vanishes; for other parameters a harmless one.
     pub neutral: f64,
-    /// Size that is met in practice, for a motion of these scales; never 0: it is the unit in which a
-    /// fit steps.
+    /// Typical value in practice, for a motion of these scales; never 0, since it is the unit of a fit's steps.
     pub typical: fn(&Scales) -> f64,
 }

@@ -1,4 +1,4 @@
-//! A payload that is taken or set down.
+//! A payload that is gripped or released.
 
 use super::grid::{product, times};
 use super::shared_parameters::EVENT_TIME;
@@ -25,7 +25,7 @@ impl Inertia for Payload {
     }
 }
 
-/// The link's inertia is `1 + a` times as large from a time on.
+/// The link's inertia is multiplied by `1 + a` from a given time on.
 pub const PAYLOAD_CHANGE: Effect = Effect {
     name: "payload_change",
     title: "payload change",
@@ -55,8 +55,8 @@ pub const PAYLOAD_CHANGE: Effect = Effect {
         }))
     },
     starts: |scales| {
-        // Large ones, and those by which the frequency moves by the half width of its peak, where that is less: of a
-        // mode that rings long a larger one has left the phase before it has decayed.
+        // Large changes, and those that shift the frequency by the half width of its peak, if that is less. A
+        // lightly damped mode loses the phase before it has decayed if the shift is larger.
         let width = (2.0 * scales.damping_ratio).min(0.1);
         product(&[&[-0.15, -width, width, 0.2], &times(scales, 12)])
     },

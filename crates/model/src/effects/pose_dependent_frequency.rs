@@ -71,7 +71,7 @@ pub const POSE_DEPENDENT_FREQUENCY: Effect = Effect {
             name: "coupling",
             role: ParameterRole::Shape,
             quantity: Quantity::NUMBER,
-            // From a stiffness that varies to an inertia that does.
+            // From a varying stiffness to a varying inertia.
             bounds: |_| (0.0, 1.0),
             neutral: 0.0,
             typical: |_| 1.0,

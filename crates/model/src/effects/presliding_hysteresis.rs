@@ -55,7 +55,7 @@ pub const PRESLIDING_HYSTERESIS: Effect = Effect {
             name: "presliding_distance",
             role: ParameterRole::Shape,
             quantity: Quantity::POSITION,
-            // Shorter ones are Coulomb friction, and bristles too stiff to be followed.
+            // Shorter distances are Coulomb friction, with bristles too stiff for the integration.
             bounds: |scales| (0.01 * scales.deformation, 3.0 * scales.deformation),
             neutral: 1.0,
             typical: |scales| 0.1 * scales.deformation,

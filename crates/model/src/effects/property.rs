@@ -1,42 +1,40 @@
-//! Properties of an effect that the rest of the program must know beside its law.
+//! Properties of an effect, besides its law, that the rest of the program needs.
 
 use super::{Effect, Likeness, Parameter, ParameterRole, Slot};
 
 /// A simpler effect, and the values of its parameters.
 pub type Part = (&'static Effect, Vec<f64>);
 
-/// A fact about an effect that decides how it is looked for, or told.
+/// A property of an effect that affects its search or its report.
 #[derive(Clone, Copy)]
 pub enum Property {
-    /// Its law contains that of a simpler effect as a limit: what stands for either is named by the
-    /// simpler one.
+    /// Its law contains that of a simpler effect as a limit: if either fits, the simpler one is reported.
     Contains(&'static Effect),
-    /// It acts as this simpler effect where its own frequency is far above the motion: what else it has
-    /// is not determined then.
+    /// It acts as this simpler effect if its own frequency is far above the motion; its other parameters are
+    /// then not determined.
     Becomes(&'static Effect),
-    /// It acts as two simpler effects together; these for its values.
+    /// It acts as two simpler effects together; the function gives these for its values.
     Parts(fn(&[f64]) -> [Part; 2]),
-    /// Motions of this sort show it as they show the others that have the likeness.
+    /// Motions of this sort do not distinguish it from the others of the same likeness.
     Alike(Likeness),
-    /// A file may leave out this parameter, which then has its neutral value: the law is the plain one.
+    /// A file may omit this parameter, which then has its neutral value.
     Optional(&'static str),
     /// It is an event, which may happen again: it has a [time](ParameterRole::Time).
     Recurs,
-    /// Its misfit has many minima over its size: the frequency falls with it, and what fits is found
-    /// where both are right. The sizes of its starts are above 0, the smallest first.
+    /// Its misfit has many minima over its size: the frequency depends on the size, and both must be right
+    /// together. The sizes of its starts are above 0, the smallest first.
     ManyMinima,
-    /// It is a damper between link and ground, its size the coefficient: in free vibration the same as
-    /// damping across the joint.
+    /// It is a damper between link and ground, with the coefficient as its size. In free vibration it is
+    /// equivalent to damping across the joint.
     DampsToGround,
-    /// Only a sensor of the deformation, such as a strain gauge, does it by itself; one of positions in
-    /// space does not.
+    /// Only a sensor of the deformation, such as a strain gauge, can have it; a sensor of positions in space
+    /// cannot.
     OfDeformationOnly,
-    /// It is a constant shift of the stamps, which the offset of a clock of the sensor's own is, too.
+    /// It is a constant shift of the stamps, equivalent to an offset of the sensor's own clock.
     ShiftsStamps,
     /// It is a static law: a curve over the coordinate of this slot.
     Slot(Slot),
-    /// It is a wrong scale: a tracker that has it shows the same angles about the joint, and another
-    /// radius.
+    /// It is a wrong scale: a tracker with it shows the same angles about the joint, and another radius.
     WrongScale,
 }
 
@@ -66,12 +64,12 @@ impl Effect {
         })
     }
 
-    /// Whether the law may act as that of another effect wherever the recording looks.
+    /// Whether the law may act as that of another effect in the whole recording.
     pub fn becomes(&self, simpler: &Self) -> bool {
         self.is(|own| matches!(own, Property::Becomes(other) if *other == simpler))
     }
 
-    /// The two simpler effects that the law acts as for these values, with theirs.
+    /// The two simpler effects that the law is equivalent to for these values, with their values.
     ///
     /// # Example
     /// ```
@@ -93,27 +91,26 @@ impl Effect {
         self.is(|own| matches!(own, Property::Alike(other) if *other == likeness))
     }
 
-    /// Whether a file may leave out a parameter.
+    /// Whether a file may omit a parameter.
     pub fn is_optional(&self, parameter: &Parameter) -> bool {
         self.is(|own| matches!(own, Property::Optional(name) if *name == parameter.name))
     }
 
-    /// Index of the time of an event, of which there may be several; none of what is no event.
+    /// Index of the time of an event, which may recur; `None` for other effects.
     pub fn event_time(&self) -> Option<usize> {
         let recurs = self.is(|own| matches!(own, Property::Recurs));
         recurs.then(|| self.index(ParameterRole::Time)).flatten()
     }
 
-    /// Whether it belongs to the recording in which it happened, and is not the machine's: it acts from an instant
-    /// on, or follows a curve over the recording's time.
+    /// Whether it belongs to one recording rather than to the machine: it acts from an instant on, or follows a
+    /// curve over the recording's time.
     pub fn happens(&self) -> bool {
         let over_time = |slot: Slot| slot.coordinate() == super::Coordinate::Time;
         let learned = self.is_learned() && self.slot().is_some_and(over_time);
         learned || self.index(ParameterRole::Time).is_some()
     }
 
-    /// Whether a machine may have it more than once: it has an instant, a place, a frequency or an order of its
-    /// own.
+    /// Whether a machine may have it more than once: it has its own instant, place, frequency or order.
     pub fn may_repeat(&self) -> bool {
         use ParameterRole::{Frequency, Order, Position, Time};
         let own =
@@ -121,7 +118,7 @@ impl Effect {
         self.parameters.iter().any(own)
     }
 
-    /// Whether its sizes are to be walked through one by one, the smallest first.
+    /// Whether its sizes need continuation, the smallest first.
     pub fn has_many_minima(&self) -> bool {
         self.is(|own| matches!(own, Property::ManyMinima))
     }
@@ -131,7 +128,7 @@ impl Effect {
         self.index(ParameterRole::Ordinate).is_some()
     }
 
-    /// Where its law lives, if it is a curve over one coordinate.
+    /// Its slot, if its law is a curve over one coordinate.
     pub fn slot(&self) -> Option<Slot> {
         self.properties.iter().find_map(|own| match own {
             Property::Slot(slot) => Some(*slot),
@@ -144,17 +141,17 @@ impl Effect {
         self.is(|own| matches!(own, Property::DampsToGround))
     }
 
-    /// Whether no sensor of positions in space does it by itself.
+    /// Whether a sensor of positions in space cannot have it.
     pub fn is_of_deformation_only(&self) -> bool {
         self.is(|own| matches!(own, Property::OfDeformationOnly))
     }
 
-    /// Whether the offset of a clock is the same.
+    /// Whether it is equivalent to the offset of a clock.
     pub fn shifts_stamps(&self) -> bool {
         self.is(|own| matches!(own, Property::ShiftsStamps))
     }
 
-    /// Whether it is a wrong scale of all that a sensor shows.
+    /// Whether it is a wrong scale of the sensor.
     pub fn is_wrong_scale(&self) -> bool {
         self.is(|own| matches!(own, Property::WrongScale))
     }

@@ -1,12 +1,12 @@
-//! How large the motion is that a model explains: the yardstick of every effect's size.
+//! Sizes of the motion that a model explains, as reference for the size of every effect.
 
 /// Extremes of a baseline simulation, in the model's units. All finite and above 0, but for the
 /// ranges and the candidate events.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scales {
-    /// Largest deformation; a hundredth of the travel where nothing bends.
+    /// Largest deformation; a hundredth of the travel without an elastic joint.
     pub deformation: f64,
-    /// Largest rate of the deformation; the largest speed where nothing bends.
+    /// Largest rate of the deformation; the largest speed without an elastic joint.
     pub deformation_rate: f64,
     /// Least and greatest position of the link (of the motor side where there is no link).
     pub position: (f64, f64),
@@ -14,7 +14,7 @@ pub struct Scales {
     pub velocity: f64,
     /// Largest acceleration of the link (or motor side).
     pub acceleration: f64,
-    /// Largest force at the place where forces act: elastic force or drive force.
+    /// Largest force where forces act: elastic force or drive force.
     pub force: f64,
     /// Largest value of the input.
     pub input: f64,
@@ -27,45 +27,45 @@ pub struct Scales {
     pub span: (f64, f64),
     /// Sampling period of the sensor, s.
     pub sample_time: f64,
-    /// Instants at which something unexplained seems to happen, s; the most suspicious first.
+    /// Instants of possible unexplained events, s; the most suspicious first.
     pub candidate_events: Vec<f64>,
-    /// Angular frequencies that stand out of the unexplained residual, rad/s; the strongest first.
+    /// Significant angular frequencies of the unexplained residual, rad/s; the strongest first.
     pub candidate_frequencies: Vec<f64>,
-    /// Radians of a force periodic in position for one unit of position (teeth, poles, balls) that
+    /// Orders of a force periodic in position (teeth, poles, balls), in radians per unit of position, that
     /// would explain most of the residual; the strongest first.
     pub candidate_orders: Vec<f64>,
-    /// Where the link was when something unexplained seems to have happened, and the sign of its velocity;
-    /// the most suspicious first.
+    /// Positions of the link at possible unexplained events, and the sign of its velocity; the most suspicious
+    /// first.
     pub candidate_stops: Vec<[f64; 2]>,
-    /// Whether a force drives the link, and not the motion of the motor side.
+    /// Whether a force drives the link, rather than the motion of the motor side.
     pub forced: bool,
-    /// Whether the output is the angle of a tip that a tracker sees: its scale shows in the radius alone.
+    /// Whether the output is the angle of a tip from a tracker, whose scale shows in the radius only.
     pub tracked: bool,
-    /// Whether nothing bends: an axis without a spring.
+    /// Whether it is an axis without a spring.
     pub rigid: bool,
     /// The ranges that are visited.
     pub visited: Visited,
 }
 
-/// Least and greatest value of the coordinates on which static laws live. An empty range stands for one that
-/// is not known: the largest size in both directions.
+/// Least and greatest value of the coordinates of static laws. An empty range is unknown: the largest size in
+/// both directions is used instead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Visited {
     /// Deformation.
     pub deformation: (f64, f64),
     /// Rate of the deformation.
     pub deformation_rate: (f64, f64),
-    /// Position of what the drive acts on.
+    /// Position on the drive's side.
     pub motor_position: (f64, f64),
     /// Its velocity.
     pub motor_velocity: (f64, f64),
     /// Input.
     pub input: (f64, f64),
-    /// What the sensor shows.
+    /// Reading of the sensor.
     pub reading: (f64, f64),
 }
 
-/// A motion that is of size 1 in every respect, with nothing unexplained in it: what does not depend on its scales.
+/// A motion of size 1 in every respect, without candidates, for callers that do not depend on the scales.
 impl Default for Scales {
     fn default() -> Self {
         Self {
@@ -113,7 +113,7 @@ impl Scales {
         known(self.visited.deformation, self.deformation)
     }
 
-    /// Range of the rate of the deformation, as long in both directions.
+    /// Range of the rate of the deformation, equally long in both directions.
     pub fn visited_slip(&self) -> (f64, f64) {
         both_ways(self.visited.deformation_rate, self.deformation_rate)
     }
@@ -123,7 +123,7 @@ impl Scales {
         known(self.position, self.deformation)
     }
 
-    /// Range of the position of what the drive acts on.
+    /// Range of the position on the drive's side.
     pub fn visited_motor_position(&self) -> (f64, f64) {
         match self.visited.motor_position {
             (from, to) if from < to => (from, to),
@@ -131,7 +131,7 @@ impl Scales {
         }
     }
 
-    /// Range of its velocity, as long in both directions.
+    /// Range of its velocity, equally long in both directions.
     pub fn visited_motor_velocity(&self) -> (f64, f64) {
         both_ways(self.visited.motor_velocity, self.velocity)
     }
@@ -141,7 +141,7 @@ impl Scales {
         known(self.visited.input, self.input)
     }
 
-    /// Range of what the sensor shows.
+    /// Range of the sensor's readings.
     pub fn visited_reading(&self) -> (f64, f64) {
         match self.visited.reading {
             (from, to) if from < to => (from, to),
@@ -158,7 +158,8 @@ fn known((from, to): (f64, f64), size: f64) -> (f64, f64) {
     }
 }
 
-/// The longer way of a range in both directions: friction has a curve for each, wherever the motion went.
+/// The larger size of a range in both directions: friction has a curve for each direction, whatever the motion
+/// visited.
 fn both_ways(range: (f64, f64), size: f64) -> (f64, f64) {
     let (from, to) = known(range, size);
     let most = to.max(-from);

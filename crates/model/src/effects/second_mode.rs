@@ -6,7 +6,7 @@ use super::{
     Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Resonance,
 };
 
-/// A further resonance of which the sensor sees a share, of either sign.
+/// A further resonance that the sensor sees with a share of either sign.
 pub const SECOND_MODE: Effect = Effect {
     name: "second_mode",
     title: "second mode",
@@ -22,8 +22,8 @@ pub const SECOND_MODE: Effect = Effect {
             name: "share",
             role: ParameterRole::Size,
             quantity: Quantity::NUMBER,
-            // Seen from a base that moves, all modes together follow the base: none has a share above 1.
-            // Under a force each has a gain of its own, larger or smaller than the first one's.
+            // If a moving base drives them, all modes together follow it, so that no share exceeds 1. Under a
+            // force each mode has a gain of its own, which may be larger than the first one's.
             bounds: |scales| match scales.forced {
                 true => (-3.0, 3.0),
                 false => (-1.0, 1.0),

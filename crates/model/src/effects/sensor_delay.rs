@@ -14,7 +14,7 @@ impl Sensor for Delay {
     }
 }
 
-/// A dead time of the sensor: it shows `y(t - T)`. Below 0 it is early beside the input, which is late.
+/// A dead time of the sensor: it shows `y(t - T)`. A negative one means that the input is late.
 pub const SENSOR_DELAY: Effect = Effect {
     name: "sensor_delay",
     title: "sensor delay",

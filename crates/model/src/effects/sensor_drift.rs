@@ -46,7 +46,7 @@ pub const SENSOR_DRIFT: Effect = Effect {
             name: "growth",
             role: ParameterRole::Shape,
             quantity: Quantity::new(0, -1, 0),
-            // A frame that is displaced across the line to the tip: the zero stays, the scale drifts.
+            // A frame that moves across the line to the tip: the zero stays, the scale drifts.
             bounds: |scales| (-20.0 / reach(scales), 20.0 / reach(scales)),
             neutral: 0.0,
             typical: |scales| 0.3 / reach(scales),

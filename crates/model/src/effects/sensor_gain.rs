@@ -1,4 +1,4 @@
-//! A sensor of wrong scale.
+//! A sensor with a wrong scale.
 
 use super::grid::{reach, sizes};
 use super::{

@@ -4,9 +4,9 @@ use super::cubic::cubic_coefficients;
 use super::shared_parameters::SENSOR_TIME_CONSTANT;
 use super::{Effect, Law, Likeness, Place, Property, Sensor};
 
-/// Steps shorter than this, in time constants, take a series.
+/// Steps shorter than this, in time constants, use a series.
 pub(super) const SHORT: f64 = 0.25;
-/// Its terms: `0.25^12 / 12!` is far below the rounding.
+/// Number of its terms: `0.25^12 / 12!` is far below the rounding.
 pub(super) const TERMS: usize = 12;
 
 struct Lag {
@@ -25,11 +25,11 @@ impl Sensor for Lag {
     }
 }
 
-/// Answer of `T z' + z = y` and its rate, in the place of `y`, from their first values on; without these
-/// `y` was constant before the first sample.
+/// Replaces `y` by the response of `T z' + z = y` and its rate, starting from `start`; without it `y` was
+/// constant before the first sample.
 ///
-/// Exact for the cubic through values and rates: with the polynomial `p = y - T y' + T^2 y'' - T^3 y^(3)`
-/// the answer is `p + (z_0 - p_0) exp(-s / T)`.
+/// Exact for the cubic through values and rates: with the polynomial `p = y - T y' + T^2 y'' - T^3 y^(3)` the
+/// response is `p + (z_0 - p_0) exp(-s / T)`.
 pub(super) fn first_order(tau: f64, time: &[f64], curve: &mut [[f64; 2]], start: Option<[f64; 2]>) {
     let Some(&first) = curve.first() else { return };
     curve[0] = start.unwrap_or([first[0], 0.0]);
@@ -55,8 +55,8 @@ pub(super) fn first_order(tau: f64, time: &[f64], curve: &mut [[f64; 2]], start:
     }
 }
 
-/// Taylor's series of the answer after a step of `x` time constants, for an input with these
-/// coefficients in the part of the step: the polynomial would cancel.
+/// Taylor series of the response after a step of `x` time constants, for an input with these coefficients
+/// relative to the step; the polynomial would lose digits by cancellation.
 fn short_step(z: f64, x: f64, input: [f64; 4]) -> f64 {
     let (mut sum, mut term) = (z, z);
     for n in 0..TERMS {

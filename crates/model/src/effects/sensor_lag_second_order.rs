@@ -24,8 +24,8 @@ impl LowPass {
         [y - c1 * v + c2 * a - c3 * j, v - c1 * a + c2 * j]
     }
 
-    /// Taylor's series of the answer and its rate after a short step `h`, for an input with these
-    /// coefficients in the part of the step: the particular solution would cancel.
+    /// Taylor series of the response and its rate after a short step `h`, for an input with these coefficients
+    /// relative to the step; the particular solution would lose digits by cancellation.
     fn short_step(&self, state: [f64; 2], h: f64, input: [f64; 4]) -> [f64; 2] {
         let x = h / self.time_constant;
         let (mut term, mut next) = (state[0], h * state[1]);
@@ -113,7 +113,7 @@ pub const SENSOR_LAG_SECOND_ORDER: Effect = Effect {
             name: "damping_ratio",
             role: ParameterRole::Shape,
             quantity: Quantity::NUMBER,
-            // A filter of a sensor is not made to ring: a Chebyshev filter with 3 dB of ripple has 0.38.
+            // Sensor filters are not built to ring: a Chebyshev filter with 3 dB of ripple has 0.38.
             bounds: |_| (0.3, 3.0),
             neutral: 1.0,
             typical: |_| 0.7,
@@ -122,7 +122,7 @@ pub const SENSOR_LAG_SECOND_ORDER: Effect = Effect {
     properties: &[
         Property::Contains(&SENSOR_LAG),
         Property::Alike(Likeness::ShiftInTime),
-        // An own clock takes most of a lag, and differs for each size.
+        // A clock of its own absorbs most of a lag, by a different offset for each size.
         Property::ManyMinima,
     ],
     law: |p| {

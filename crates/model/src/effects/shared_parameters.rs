@@ -13,7 +13,7 @@ pub(super) const FRICTION: Parameter = Parameter {
     typical: |scales| 0.05 * scales.force,
 };
 
-/// Phase of what is periodic, rad.
+/// Phase of a periodic effect, rad.
 pub(super) const PHASE: Parameter = Parameter {
     name: "phase",
     role: ParameterRole::Phase,
@@ -23,7 +23,7 @@ pub(super) const PHASE: Parameter = Parameter {
     typical: |_| 1.0,
 };
 
-/// Radians of what is periodic for a unit of position.
+/// Order of a periodic effect, in radians per unit of position.
 pub(super) const ORDER: Parameter = Parameter {
     name: "order",
     role: ParameterRole::Order,
@@ -43,7 +43,7 @@ pub(super) const EVENT_TIME: Parameter = Parameter {
     typical: typical_time,
 };
 
-/// Time by which something comes late, unchanged.
+/// A pure delay.
 pub(super) const DELAY: Parameter = Parameter {
     name: "delay",
     role: ParameterRole::Size,

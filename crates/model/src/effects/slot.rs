@@ -1,8 +1,8 @@
-//! Slots: the coordinates on which static laws live.
+//! Slots: static laws by what they act on and by their coordinates.
 
 use super::Quantity;
 
-/// What a static law is a function of.
+/// The variable of a static law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Coordinate {
     /// Deformation of the transmission.
@@ -11,16 +11,15 @@ pub enum Coordinate {
     Speed,
     /// Position of the effect's place.
     Position,
-    /// What the drive is given.
+    /// Input of the drive.
     Input,
-    /// What the sensor would show.
+    /// Reading of an ideal sensor.
     Reading,
     /// Time.
     Time,
 }
 
-/// What a static law does, and over which coordinate. Laws of one slot are curves that can be drawn over each
-/// other.
+/// Quantity and coordinate of a static law. Laws of one slot can be drawn over each other as curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Slot {
     /// Elastic force over the deformation, beside that of the model's spring.
@@ -31,22 +30,22 @@ pub enum Slot {
     Friction,
     /// Force over the position.
     PositionForce,
-    /// What the drive adds to its input, over the input.
+    /// Addition of the drive to its input, over the input.
     Drive,
-    /// What the sensor adds to its reading, over the reading.
+    /// Addition of the sensor to its reading, over the reading.
     Sensor,
     /// Relative change of the link's inertia over the position; the frequency falls with its root.
     Inertia,
     /// Relative change of the stiffness over time.
     StiffnessDrift,
-    /// What the sensor adds to a reading of 0, over time.
+    /// Addition of the sensor to a reading of 0, over time.
     SensorDrift,
-    /// Force over the deformation on the first way out from rest. A hysteresis has a memory: this curve says what it
-    /// does after a turn, too, where it follows Masing's rules.
+    /// Force over the deformation on the first loading from rest. A hysteresis has a memory: if it follows
+    /// Masing's rules, this curve also determines it after a reversal.
     Hysteresis,
 }
 
-/// Slots, what they are called within a sentence, their coordinates, and what their laws give.
+/// Slots with their names within a sentence, their coordinates, and the quantities of their laws.
 const SLOTS: &[(Slot, &str, Coordinate, &str, Quantity)] = &[
     (
         Slot::Spring,
@@ -121,17 +120,17 @@ const SLOTS: &[(Slot, &str, Coordinate, &str, Quantity)] = &[
 ];
 
 impl Slot {
-    /// What it is called within a sentence.
+    /// Its name within a sentence.
     pub fn name(self) -> &'static str {
         SLOTS[self as usize].1
     }
 
-    /// What its laws are functions of.
+    /// The coordinate of its laws.
     pub fn coordinate(self) -> Coordinate {
         SLOTS[self as usize].2
     }
 
-    /// What its laws give, within a sentence.
+    /// The quantity of its laws, within a sentence.
     pub fn law(self) -> &'static str {
         SLOTS[self as usize].3
     }
@@ -143,7 +142,7 @@ impl Slot {
 }
 
 impl Coordinate {
-    /// What it is called within a sentence.
+    /// Its name within a sentence.
     pub fn name(self) -> &'static str {
         match self {
             Self::Deformation => "deformation",

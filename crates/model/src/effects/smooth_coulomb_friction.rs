@@ -26,7 +26,7 @@ pub const SMOOTH_COULOMB_FRICTION: Effect = Effect {
             name: "transition_velocity",
             role: ParameterRole::Shape,
             quantity: Quantity::VELOCITY,
-            // Faster than the motion it is viscous.
+            // A velocity above the motion's makes it viscous.
             bounds: |scales| {
                 let (slow, fast) = speeds(scales.velocity, scales.deformation_rate);
                 (1e-3 * slow, fast)
@@ -52,7 +52,8 @@ pub const SMOOTH_COULOMB_FRICTION: Effect = Effect {
     starts: |scales| {
         let (slow, fast) = speeds(scales.velocity, scales.deformation_rate);
         let friction = [0.02, 0.1, 0.3].map(|size| size * scales.force);
-        // The two sides slip at the rate of the deformation, a drive and a link at the speed of the axis.
+        // The two sides of a transmission slip at the rate of the deformation, a drive and a link at the speed
+        // of the axis.
         let mut velocities = vec![0.01 * slow, 0.1 * slow];
         if fast > 5.0 * slow {
             velocities.extend([0.01 * fast, 0.1 * fast]);

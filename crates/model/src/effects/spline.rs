@@ -1,13 +1,13 @@
-//! A law that is given by its values at equally spaced knots.
+//! A law defined by its values at equally spaced knots.
 
 use quell_signal::{CubicSpline, End};
 
 /// The twice differentiable piecewise cubic through ordinates at equally spaced knots; beyond the first and
 /// the last knot it goes on with constant slope.
 ///
-/// It is linear in its ordinates and holds every cubic polynomial (its ends are not-a-knot). Interpolation
-/// error of the order of `h^4 f''''`. The pieces are worked out once: a value costs an index and a cubic, and
-/// does not allocate.
+/// It is linear in its ordinates and reproduces every cubic polynomial (its ends are not-a-knot). Interpolation
+/// error of the order of `h^4 f''''`. The pieces are computed once: an evaluation costs an index and a cubic,
+/// and does not allocate.
 ///
 /// Source: de Boor, A Practical Guide to Splines (1978), chapter IV.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,14 +15,15 @@ pub struct Spline {
     from: f64,
     /// Knots for a unit of the coordinate.
     density: f64,
-    /// Coefficients in rising powers of the part of a spacing since the piece began: the straight line before
-    /// the first knot, which begins one spacing before it, the cubics, the straight line after the last.
+    /// Coefficients in rising powers of the position within a piece, in spacings. First the straight line
+    /// before the first knot, which begins one spacing before it, then the cubics, then the straight line after
+    /// the last.
     pieces: Box<[[f64; 4]]>,
 }
 
 impl Spline {
-    /// Through these ordinates, the first at `from` and the last at `to`. One ordinate is a constant, and so
-    /// is the first of several where `from` is not below `to`. Where one is not finite all values are NaN.
+    /// A spline through these ordinates, the first at `from` and the last at `to`. A single ordinate gives a
+    /// constant; so does the first one if `from` is not below `to`. If one is not finite, all values are NaN.
     ///
     /// # Example
     /// ```
@@ -66,7 +67,7 @@ impl Spline {
         1.0 / self.density
     }
 
-    /// How far it falls at most from a knot to the next.
+    /// The largest fall from a knot to the next.
     pub(super) fn steepest_fall(&self) -> f64 {
         let knots = self.pieces.iter().skip(1).map(|piece| piece[0]);
         let falls = knots.clone().zip(knots.skip(1)).map(|(a, b)| a - b);
@@ -75,7 +76,7 @@ impl Spline {
 
     #[inline]
     fn piece(&self, x: f64) -> ([f64; 4], f64) {
-        // Shifted by the line before the first knot; what is below 0 or no number becomes index 0.
+        // Shifted by the line before the first knot; negative values and NaN become index 0.
         let knots = (x - self.from) * self.density + 1.0;
         let index = (knots as usize).min(self.pieces.len() - 1);
         (self.pieces[index], knots - index as f64)

@@ -6,10 +6,10 @@ use super::{
     Effect, Friction, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Slot,
 };
 
-/// Slip velocity below which the breakaway force still acts: as good as none, in any unit.
+/// Slip velocity below which the breakaway force still acts: practically 0, in any unit.
 const AT_REST: f64 = 1e-9;
 
-/// Friction that holds up to `F_s` and, once it slides, resists with `ratio F_s`.
+/// Friction that sticks up to `F_s` and resists sliding with `ratio F_s`.
 pub const STICTION: Effect = Effect {
     name: "stiction",
     title: "stiction",

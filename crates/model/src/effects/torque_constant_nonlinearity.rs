@@ -1,4 +1,4 @@
-//! A drive that gives less for each ampere the more it is asked for.
+//! A drive whose torque per ampere falls with the current.
 
 use super::grid::product;
 use super::{Drive, Effect, Law, Parameter, ParameterRole, Place, Property, Quantity, Slot};
@@ -9,7 +9,7 @@ struct Droop {
 }
 
 impl Drive for Droop {
-    /// Beyond its peak at `a |u| = (1 + n)^(-1/n)` more input gives no more.
+    /// Beyond its peak at `a |u| = (1 + n)^(-1/n)` the output is constant.
     fn map(&self, value: f64) -> f64 {
         if self.droop == 0.0 {
             return value;
@@ -36,7 +36,7 @@ pub const TORQUE_CONSTANT_NONLINEARITY: Effect = Effect {
             name: "droop",
             role: ParameterRole::Size,
             quantity: Quantity::driven(-1, 0),
-            // A controller may ask for a multiple of what a drive can give, at a step of its reference.
+            // At a step of the reference a controller may request a multiple of the drive's limit.
             bounds: |scales| (0.0, 10.0 / scales.input),
             neutral: 0.0,
             typical: |scales| 0.3 / scales.input,

@@ -9,8 +9,7 @@ struct Maxwell {
 }
 
 impl Maxwell {
-    /// Deformation `e` of the branch's spring, `e' = x' - e / T`. Exact where `x` is a straight line
-    /// within the step.
+    /// Deformation `e` of the branch's spring, `e' = x' - e / T`. Exact if `x` is linear within the step.
     fn elastic(&self, time: f64, x: f64, memory: &Memory) -> f64 {
         let steps = (time - memory.time).max(0.0) / self.time_constant;
         let decayed = -(-steps).exp_m1();

@@ -40,7 +40,7 @@ pub fn parameters(
             return Err(entry.refuse(source, reason));
         }
         ends.push(end.value);
-        // It says what was visited, which no fit changes.
+        // It is the visited range, which no fit changes.
         parameters.push(Value { fixed: true, ..end });
     }
     let ends = effect.parameters.iter().filter(is_end).map(|p| p.name);

@@ -1,8 +1,8 @@
-//! The values that physics allows a parameter in a file.
+//! Allowed values of a parameter in a file.
 
 use crate::effects::{Parameter, Scales};
 
-/// The signs that physics allows a parameter, whatever the motion's scales are.
+/// The allowed signs of a parameter, at any scale of the motion.
 pub fn signs(parameter: &Parameter) -> (f64, f64) {
     let (low, high) = (parameter.bounds)(&Scales::default());
     (

@@ -1,4 +1,4 @@
-//! The text of a model file, its tables and entries, and where in it they stand.
+//! The text of a model file, with its tables, entries and their lines.
 
 use super::ModelError;
 use quell_recording::nearest;
@@ -69,7 +69,7 @@ impl<'s> Table<'s> {
         }
     }
 
-    /// Takes this entry's line for what is missing from here on.
+    /// Uses this entry's line for keys that are found missing from here on.
     pub fn anchor(&mut self, entry: &Entry) {
         self.start = entry.start;
     }
@@ -79,24 +79,24 @@ impl<'s> Table<'s> {
         self.entries.iter().any(|entry| entry.key == key)
     }
 
-    /// How many entries have none of these names.
+    /// Number of entries with none of these names.
     pub fn strays(&self, known: impl Iterator<Item = &'static str> + Clone) -> usize {
         let known = |entry: &&Entry| !known.clone().any(|key| key == entry.key);
         self.entries.iter().filter(known).count()
     }
 
-    /// The entry of this name, which is then no longer in the table.
+    /// Removes the entry of this name from the table and returns it.
     pub fn take(&mut self, key: &str) -> Option<Entry<'s>> {
         let index = self.entries.iter().position(|entry| entry.key == key)?;
         Some(self.entries.swap_remove(index))
     }
 
-    /// A key that must be there is not.
+    /// The error of a missing required key.
     pub fn missing(&self, key: &str) -> ModelError {
         self.source.refuse(self.start, key, "is missing".into())
     }
 
-    /// Refuses the first entry that nobody took.
+    /// Refuses the first entry that was not taken.
     pub fn finish(&self, known: impl IntoIterator<Item = &'static str>) -> Result<(), ModelError> {
         let Some(entry) = self.entries.iter().min_by_key(|entry| entry.start) else {
             return Ok(());
@@ -130,7 +130,7 @@ impl<'s> Entry<'s> {
         }
     }
 
-    /// A name that is none of the known ones.
+    /// The error of an unknown name.
     pub fn unknown(
         &self,
         source: &Source,
@@ -179,7 +179,7 @@ impl<'s> Entry<'s> {
         }
     }
 
-    /// The entries of an array; each is told by the array's key and its number, from 1.
+    /// The entries of an array; errors name the array's key and the number, from 1.
     pub fn list(&self, source: &Source) -> Result<Vec<Entry<'s>>, ModelError> {
         let wrong = || self.wrong(source, "an array of numbers");
         let array = self.value.get_ref().as_array().ok_or_else(wrong)?;
@@ -192,7 +192,7 @@ impl<'s> Entry<'s> {
         Ok(array.iter().enumerate().map(entry).collect())
     }
 
-    /// True or false.
+    /// A boolean.
     pub fn truth(&self, source: &Source) -> Result<bool, ModelError> {
         let truth = self.value.get_ref().as_bool();
         truth.ok_or_else(|| self.wrong(source, "true or false"))
@@ -225,7 +225,7 @@ impl<'s> Entry<'s> {
 }
 
 fn number(value: &DeValue) -> Option<f64> {
-    // A radix other than 10 is no way to write a physical quantity.
+    // A radix other than 10 is not allowed for a physical quantity.
     let text = match value {
         DeValue::Float(float) => float.as_str(),
         DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
@@ -241,7 +241,7 @@ fn advice(name: &str, known: Vec<&'static str>) -> String {
     }
 }
 
-/// Names with commas between them.
+/// Names separated by commas.
 pub fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
     names.collect::<Vec<_>>().join(", ")
 }

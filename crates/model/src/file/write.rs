@@ -7,7 +7,7 @@ use crate::effects::{ParameterRole, Quantity, Units};
 use std::fmt::Write;
 
 impl Model {
-    /// The text of the model's file; [`Model::from_toml`] reads the same model back, to the bit.
+    /// The text of the model's file; [`Model::from_toml`] reads back the identical model.
     ///
     /// A key that has its default is left out unless the model's own file gave it.
     pub fn to_toml(&self) -> String {
@@ -83,7 +83,7 @@ fn write_learned(text: &mut String, effect: &ModelEffect, units: &Units) {
             of_values = unit(parameter.quantity, units);
             continue;
         }
-        // The end of a range is never fitted: it need not be said.
+        // The end of a range is never fitted, so that `fixed` is omitted.
         let value = Value {
             fixed: false,
             ..*value

@@ -1,11 +1,11 @@
-//! The units in which a force and an inertia are those of a model's equation.
+//! Units in which a force and an inertia enter a model's equation.
 
 use crate::{ExperimentError, Model};
 use quell_recording::{Channel, Recording, Role};
 
-/// What decides the units of an equation.
+/// The properties that determine the units of an equation.
 pub struct Equation<'a> {
-    /// Which channel drives it.
+    /// The channel that drives it.
     pub input: Role,
     /// Its unit.
     pub input_unit: &'a str,
@@ -14,7 +14,7 @@ pub struct Equation<'a> {
 }
 
 impl Equation<'_> {
-    /// The unit of the equation's forces, where it is one in which something is measured.
+    /// The unit of the equation's forces, if it is a measured unit.
     pub fn force(&self, model: &Model, recording: &Recording) -> String {
         let given = |name: &str| model.kind.key(name).is_some_and(|key| model.given[key]);
         let says_constant = given("force_gain") || given("torque_constant");
@@ -23,7 +23,7 @@ impl Equation<'_> {
         match (self.input, measured) {
             _ if model.kind.normalised && model.kind.key("gain").is_none() => self.mechanical(),
             (Role::Force | Role::Torque, _) => self.input_unit.into(),
-            // An oscillator's gain says what position its input makes, whatever that is.
+            // An oscillator's gain converts its input to a position, in any unit.
             _ if model.kind.normalised => self.input_unit.into(),
             (Role::MotorCurrent | Role::MotorVoltage, _) if !says_constant => {
                 self.input_unit.into()
@@ -33,7 +33,7 @@ impl Equation<'_> {
         }
     }
 
-    /// N.m where the axis turns, N where it slides.
+    /// N.m for a rotary axis, N for a linear one.
     fn mechanical(&self) -> String {
         if self.position_unit == "rad" {
             "N.m".into()
@@ -42,7 +42,7 @@ impl Equation<'_> {
         }
     }
 
-    /// Refuses a known force that is in another unit than the model's forces.
+    /// Refuses a known force whose unit is not that of the model's forces.
     pub fn takes_force(
         &self,
         model: &Model,
@@ -59,7 +59,7 @@ impl Equation<'_> {
         }
     }
 
-    /// Refuses a known inertia that is none, or none of the equation's.
+    /// Refuses a known inertia that is not above 0, or that the equation does not take in this unit.
     pub fn takes_inertia(
         &self,
         model: &Model,

@@ -1,4 +1,4 @@
-//! The events that end a step early, and where.
+//! The events that end a step early, and their times.
 
 use super::super::chain::{Instant, State, coordinate};
 use super::super::roots::{first_root, root_of_parabola};
@@ -7,7 +7,7 @@ use super::{Event, OVERSHOOT, Stepper, sign, slip};
 use crate::effects::Motion;
 
 impl Stepper<'_> {
-    /// The event that comes first in the step, and at which share of it.
+    /// The first event in the step, and its time as a share of the step.
     pub(super) fn first_event(
         &mut self,
         state: &State,
@@ -29,7 +29,7 @@ impl Stepper<'_> {
                 let [middle, last] = &trial.holding;
                 let spare = [spare(&start.holding), spare(middle), spare(last)];
                 if spare[1].min(spare[2]) < 0.0 {
-                    // A hair later, so that it truly bears too much.
+                    // A little later, so that the limit is truly exceeded.
                     let share = root_of_parabola(spare) * (1.0 + OVERSHOOT) + OVERSHOOT;
                     note(Event::Breakaway, share.min(1.0));
                 }
@@ -70,7 +70,7 @@ impl Stepper<'_> {
                 match first_root(switch, 1.0) {
                     // On the far side, where the force has its other branch.
                     Some(share) => note(Event::Corner, (share + OVERSHOOT).min(1.0)),
-                    // It was on the other side from the start.
+                    // It was on the other side already at the start.
                     None => self.corners[index].1 = -side,
                 }
             } else if side == 0.0 {
@@ -109,7 +109,7 @@ impl Stepper<'_> {
         }
     }
 
-    /// Too much happens in one step: what would slide back sticks.
+    /// Ends chatter: if there are too many events in one step, attachments that would slide back stick.
     pub(super) fn calm(&mut self, trial: &Trial, span: &Span) {
         let end = self.motion_at(&trial.end, trial, span, 1.0);
         for attachment in self.rough() {

@@ -1,4 +1,4 @@
-//! Parts of messages: what is shown of a cell, of names, and what was meant.
+//! Parts of messages: cells, names, and suggestions.
 
 pub(super) fn suggestion(nearest: &Option<&'static str>) -> String {
     nearest
@@ -6,11 +6,11 @@ pub(super) fn suggestion(nearest: &Option<&'static str>) -> String {
         .unwrap_or_default()
 }
 
-/// Letters of a cell or a name that an error shows, and names of columns: enough to find it, not the file.
+/// Most characters of a cell or a name in an error, and most names of columns: enough to find it.
 const SHOWN: usize = 40;
 const NAMES: usize = 24;
 
-/// A cell in quotes, cut where it is long.
+/// A cell in quotes, shortened if it is long.
 pub(super) fn quoted(text: &str) -> String {
     match text.chars().count() > SHOWN {
         false => format!("{text:?}"),
@@ -18,7 +18,7 @@ pub(super) fn quoted(text: &str) -> String {
     }
 }
 
-/// The names of the columns; a header of numbers is none.
+/// The names of the columns; a header of numbers has none.
 pub(super) fn columns(present: &[String]) -> String {
     let is_number = |name: &String| name.replace(',', ".").parse::<f64>().is_ok();
     if present.iter().all(is_number) {
@@ -36,7 +36,7 @@ pub(super) fn columns(present: &[String]) -> String {
     format!("the columns are: {}{more}", shown.join(", "))
 }
 
-/// A name, cut where it is long.
+/// A name, shortened if it is long.
 fn cut(name: &str) -> String {
     match name.chars().count() > SHOWN {
         false => name.into(),

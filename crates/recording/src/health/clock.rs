@@ -67,7 +67,7 @@ pub fn clock(time: &[f64]) -> Clock {
             clock.missing = clock.missing.saturating_add(missing);
         } else {
             let deviation = (interval - period).abs();
-            // Over the period, so that the square of no period overflows.
+            // Relative to the period, so that no square overflows.
             clock.jitter += (deviation / period).powi(2);
             clock.worst_jitter = clock.worst_jitter.max(deviation);
         }
@@ -78,7 +78,7 @@ pub fn clock(time: &[f64]) -> Clock {
 }
 
 impl Clock {
-    /// Samples a second over the whole duration, gaps with it; nothing for a single sample.
+    /// Samples per second over the whole duration, gaps included; `None` for a single sample.
     ///
     /// # Example
     /// ```
@@ -90,7 +90,7 @@ impl Clock {
         (self.duration > 0.0).then(|| (self.samples - 1) as f64 / self.duration)
     }
 
-    /// Samples a second, `1 / period`; nothing for a single sample.
+    /// Samples per second, `1 / period`; `None` for a single sample.
     pub fn rate(&self) -> Option<f64> {
         (self.period > 0.0).then(|| 1.0 / self.period)
     }

@@ -1,21 +1,21 @@
-//! Remarks on what looks wrong with a channel, in plain words.
+//! Remarks on problems of a channel.
 
 use super::{ColumnHealth, Flat, FlatKind, Health};
 use crate::{Channel, plain};
 
-/// Jitter, as a share of the period, from which it is remarked upon. A stamp that is off by j
-/// shifts a sample by j times the slope; 1 % of a period is 1 % of an increment between samples.
+/// Jitter, as a share of the period, above which there is a remark. A stamp that is off by j shifts a sample by
+/// j times the slope; 1 % of a period is 1 % of an increment between samples.
 pub const JITTER: f64 = 0.01;
-/// Quantisation step, as a share of the range, from which it is remarked upon: from there on the
-/// rounding error (step / sqrt 12) is above 0.3 % of the range.
+/// Quantisation step, as a share of the range, above which there is a remark: the rounding error,
+/// `step / sqrt(12)`, is then above 0.3 % of the range.
 const COARSE: f64 = 0.01;
 
-/// Period, s, from which it is remarked upon. Joints of robots vibrate at 1 Hz and above (the recorded
-/// ones of this project at 1.8 Hz and above), of which two samples a second or fewer show nothing; a
-/// clock in milliseconds that is read as seconds has a thousand times its true period.
+/// Period, s, above which there is a remark. Joints of robots vibrate at 1 Hz and above (those recorded in this
+/// project at 1.8 Hz and above), which two samples a second or fewer cannot show. A clock in milliseconds that
+/// is read as seconds has a thousand times its true period.
 const SLOW: f64 = 0.5;
 
-/// One sentence for each thing that looks wrong; none where nothing does.
+/// One sentence for each problem; empty without any.
 pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
     let mut remarks = Vec::new();
     if !channel.has_usual_unit() {

@@ -1,4 +1,4 @@
-//! How fine a column's values are: white noise and the quantisation step.
+//! Resolution of a column's values: white noise and the quantisation step.
 
 use super::median;
 
@@ -9,11 +9,11 @@ const MEDIAN_ABSOLUTE: f64 = 0.674_489_750_196_081_7;
 
 /// Standard deviation of the white noise on top of a smooth signal.
 ///
-/// The k-th difference of white noise has the variance `sigma^2 C(2k, k)`; that of a signal at
-/// angular frequency w, sampled with period T, shrinks as `(w T)^k`. Each order therefore gives
-/// sigma or more (by the median of absolute values, so that steps do not count), and the least
-/// over the orders 2 to 6 is taken. It is 0 where more than half of the differences vanish: the
-/// noise is then hidden below the quantisation step. Nothing below 20 samples.
+/// The k-th difference of white noise has the variance `sigma^2 C(2k, k)`; that of a signal at angular
+/// frequency w, sampled with period T, shrinks as `(w T)^k`. Each order therefore gives sigma or more (by the
+/// median of absolute values, so that steps do not count), and the least value over the orders 2 to 6 is taken.
+/// It is 0 if more than half of the differences vanish: the noise is then below the quantisation step. `None`
+/// below 20 samples.
 ///
 /// Source: von Neumann (1941) for k = 1; Gasser, Sroka, Jennen-Steinmetz (1986) for k = 2.
 pub fn noise_std(values: &[f64]) -> Option<f64> {
@@ -35,10 +35,10 @@ pub fn noise_std(values: &[f64]) -> Option<f64> {
     (values.len() >= 20).then_some(least)
 }
 
-/// Distinct values below which a step is not told from chance: with 7 increments, a random set
-/// would pass the test of [`quantum`] with probability 0.2^7, about 1e-5.
+/// Fewest distinct values for a step: with 7 increments a random set would pass the test of [`quantum`] with
+/// probability 0.2^7, about 1e-5.
 const DISTINCT: usize = 8;
-/// Share of a step by which an increment may miss a whole number of steps.
+/// Tolerance of an increment's distance from a whole number of steps, as a share of a step.
 const MISS: f64 = 0.1;
 
 /// The quantisation step q: the increments between neighbouring distinct values are whole numbers
@@ -61,7 +61,7 @@ pub fn quantum(values: &[f64]) -> Option<f64> {
         .iter()
         .fold(0.0_f64, |largest, value| largest.max(value.abs()));
     let mut step = increments[0];
-    // Differences near the rounding of a double say nothing about the sensor.
+    // Differences near the rounding of a double give no information about the sensor.
     if step < 1e3 * f64::EPSILON * largest {
         return None;
     }

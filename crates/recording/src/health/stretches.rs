@@ -1,4 +1,4 @@
-//! Stretches of a column that cannot be motion: runs of one value, jumps by a turn, lone samples.
+//! Stretches of a column that cannot be motion: runs of one value, jumps by a turn, spikes.
 
 use super::median;
 use std::f64::consts::PI;
@@ -23,23 +23,22 @@ pub struct Flat {
 pub enum FlatKind {
     /// The machine rests: the run begins and ends gently.
     Rest,
-    /// The sensor hangs: the run begins or ends in full motion, inside the range.
+    /// The sensor is stuck: the run begins or ends in full motion, inside the range.
     Stuck,
-    /// The range is used up: as stuck, at the column's least or greatest value.
+    /// The range is exceeded: as stuck, at the column's least or greatest value.
     Saturated,
 }
 
-/// Chance that a column without faults shows one run that long.
+/// Probability that a column without faults has one run that long.
 const CHANCE: f64 = 1e-3;
 
-/// Runs of one value that are too long to be chance.
+/// Runs of one value that are too long for chance.
 ///
-/// With p the share of repeated values outside of the run, n samples hold a run of L repeats by
-/// chance with a probability of at most `n p^L`; runs below 0.001 (and of at least 4 samples) are
-/// given. A run is a rest unless the column moves, within two samples of an edge of it, by more
-/// than half its typical (median) increment in motion and by more than 3 quantisation steps: what
-/// comes to rest and starts again does so over more than two samples. A signal that is clipped
-/// just below its top, where it is slow, is taken for a rest.
+/// With p the share of repeated values outside of the run, n samples contain a run of L repeats by chance with
+/// a probability of at most `n p^L`. Runs with less than 0.001 (and at least 4 samples) are reported. A run is
+/// a rest unless the column moves, within two samples of an edge of it, by more than half its typical (median)
+/// increment in motion and by more than 3 quantisation steps: an axis takes more than two samples to stop and
+/// start again. A signal that is clipped just below its top, where it is slow, is taken for a rest.
 pub fn flats(time: &[f64], values: &[f64], quantum: f64) -> Vec<Flat> {
     let increments: Vec<f64> = values
         .windows(2)
@@ -86,8 +85,8 @@ struct Run {
 }
 
 impl Run {
-    /// The greatest increment within two samples before and after the run. Two, since the one that
-    /// touches the run is cut short by it where a sensor clips.
+    /// The greatest increment within two samples before and after the run. Two, since a clipping sensor
+    /// shortens the one next to the run.
     fn edges(&self, increments: &[f64]) -> f64 {
         let before = &increments[self.first.saturating_sub(2)..self.first];
         let after = &increments[self.last..increments.len().min(self.last + 2)];
@@ -124,8 +123,7 @@ pub fn wraps(angles: &[f64]) -> Vec<usize> {
         .collect()
 }
 
-/// Standard deviations beyond which a sample is no noise: a Gaussian exceeds 8 with probability
-/// 1e-15.
+/// Standard deviations beyond which a sample is not noise: a Gaussian exceeds 8 with probability 1e-15.
 const SPIKE: f64 = 8.0;
 /// Samples on either side that a spike is compared with.
 const AROUND: usize = 8;

@@ -1,5 +1,5 @@
-//! CDR, the encoding of messages in ROS 2: numbers at their own alignment, counted from behind four bytes that
-//! tell the byte order.
+//! CDR, the encoding of messages in ROS 2. Numbers have their own alignment, counted from behind four bytes
+//! with the byte order.
 //!
 //! Source: OMG, Common Object Request Broker Architecture 3.3, part 2, 9.3 (CDR); OMG, DDSI-RTPS 2.5, 10.2
 //! (the encapsulation header).
@@ -89,7 +89,7 @@ impl Encoder {
     }
 }
 
-/// Reads one message of either byte order; every read is checked against the bytes that are there.
+/// Reads one message of either byte order; every read is checked against the available bytes.
 #[derive(Debug)]
 pub struct Decoder<'a> {
     body: &'a [u8],
@@ -97,7 +97,7 @@ pub struct Decoder<'a> {
     is_little: bool,
 }
 
-/// Why a body cannot be read: the offset in the message, and what was to be there.
+/// Why a body cannot be read: the offset in the message, and what was expected there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damage {
     /// Byte of the message.
@@ -133,7 +133,7 @@ impl<'a> Decoder<'a> {
         })
     }
 
-    /// Damage at the place that is read next.
+    /// Damage at the present position.
     pub fn damage(&self, what: impl Into<String>) -> Damage {
         Damage {
             offset: HEADER + self.at,
@@ -174,7 +174,7 @@ impl<'a> Decoder<'a> {
         Ok(u32::from_le_bytes(self.number()?) as usize)
     }
 
-    /// A string, its closing zero taken off.
+    /// A string, without its closing zero.
     pub fn string(&mut self) -> Result<&'a str, Damage> {
         let length = self.length()?;
         let bytes = self.bytes(length)?;

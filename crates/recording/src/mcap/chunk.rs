@@ -4,15 +4,15 @@ use super::record::{take, text};
 use std::borrow::Cow;
 use std::io::Read;
 
-/// No chunk unpacks to more, bytes: writers make chunks of a few MB.
+/// Largest unpacked size of a chunk, bytes: writers make chunks of a few MB.
 const LARGEST: u64 = 1 << 30;
 
-/// The packed records of a chunk, or of the part of it that is there.
+/// The packed records of a chunk, or of the available part of it.
 #[derive(Debug)]
 pub(super) struct Chunk<'a> {
-    /// Bytes that they unpack to.
+    /// Their unpacked size, bytes.
     size: u64,
-    /// CRC-32 of what they unpack to; 0 where it was not computed.
+    /// CRC-32 of the unpacked bytes; 0 where it was not computed.
     crc: u32,
     compression: &'a str,
     data: &'a [u8],
@@ -44,10 +44,10 @@ impl<'a> Chunk<'a> {
         })
     }
 
-    /// The records, as far as they are there.
+    /// The records, as far as they are available.
     ///
     /// # Errors
-    /// A sentence, where the chunk is whole and does not unpack to what it says.
+    /// A sentence, where a complete chunk does not unpack to its size and CRC.
     pub(super) fn unpack(&self) -> Result<Cow<'a, [u8]>, String> {
         if self.is_whole && self.size > LARGEST {
             return Err(format!("a chunk of {} bytes", self.size));
@@ -74,8 +74,8 @@ impl<'a> Chunk<'a> {
         }
     }
 
-    /// The output of a decoder, one byte more than the chunk is to have at the most. The decoder of a chunk
-    /// that is cut fails at the cut; its size may not have been written yet.
+    /// The output of a decoder, at most one byte more than the chunk's size. The decoder of a truncated chunk
+    /// fails at the cut; its size may not have been written yet.
     fn read(&self, decoder: impl Read) -> Result<Cow<'a, [u8]>, String> {
         let mut unpacked = Vec::new();
         match decoder

@@ -1,4 +1,4 @@
-//! The definition of a message as ROS 2 writes it in a `.msg` file, with those of all that it holds.
+//! The definition of a message as in a `.msg` file of ROS 2, with the definitions of its parts.
 //!
 //! Source: ROS 2 documentation, "About ROS 2 interfaces", field types, names and constants; MCAP registry,
 //! `ros2msg`: definitions are told apart by a line of 80 `=` and one `MSG: package/Type`.
@@ -6,9 +6,9 @@
 use super::cdr::{Damage, Decoder};
 use std::collections::HashMap;
 
-/// Records within records; deeper ones would hold themselves.
+/// Greatest depth of nested records; deeper ones would contain themselves.
 const DEPTH: usize = 32;
-/// Names that a message to the user lists.
+/// Most names in a message to the user.
 const SHOWN: usize = 40;
 
 /// The type of one element of a field.
@@ -18,7 +18,7 @@ pub(super) enum Kind {
     Text,
     /// Index into [`Layout::records`].
     Record(usize),
-    /// A type that is not read, by its name.
+    /// A type that cannot be read, by its name.
     Unread(String),
 }
 
@@ -38,7 +38,7 @@ pub(super) enum Number {
     F64,
 }
 
-/// How many elements a field has.
+/// Number of elements of a field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Count {
     One,
@@ -132,7 +132,7 @@ impl Layout {
         }
     }
 
-    /// Whether records are nested deeper than `DEPTH`, as they are where one holds itself.
+    /// Whether records are nested deeper than `DEPTH`, as if one contains itself.
     fn is_deep(&self) -> bool {
         let mut heights = vec![0; self.records.len()];
         for _ in 0..=DEPTH {
@@ -148,14 +148,14 @@ impl Layout {
         heights.iter().any(|height| *height > DEPTH)
     }
 
-    /// Names of the fields that hold numbers, `[]` where there are many, for a message to the user.
+    /// Names of the fields with numbers, `[]` for sequences, for a message to the user.
     pub(super) fn numbers(&self) -> Vec<String> {
         let mut names = Vec::new();
         self.collect(0, "", &self.hold_numbers(), &mut names);
         names
     }
 
-    /// Which records hold a number, at any depth.
+    /// For each record, whether it contains a number at any depth.
     fn hold_numbers(&self) -> Vec<bool> {
         let mut known = vec![false; self.records.len()];
         for _ in 0..=DEPTH {
@@ -170,7 +170,7 @@ impl Layout {
         known
     }
 
-    /// Goes only where there are numbers: records of two records each, 32 deep, are 2^32.
+    /// Visits only records with numbers: two records in each record, 32 deep, would be 2^32.
     fn collect(&self, record: usize, prefix: &str, holds: &[bool], names: &mut Vec<String>) {
         for field in &self.records[record] {
             if names.len() >= SHOWN {
@@ -231,7 +231,7 @@ fn sections<'a>(name: &str, text: &'a str) -> Vec<Section<'a>> {
     sections
 }
 
-/// The field that a line declares; none where it declares a constant.
+/// The field that a line declares; `None` for a constant.
 fn field(
     line: &str,
     section: &str,

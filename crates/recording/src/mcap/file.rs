@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// An MCAP file in memory, and what it holds.
+/// An MCAP file in memory, with its content.
 #[derive(Debug)]
 pub struct McapFile {
     pub(super) path: PathBuf,
@@ -22,15 +22,15 @@ pub struct McapFile {
 pub struct Topic {
     /// Its name.
     pub name: String,
-    /// Type of its messages, such as `sensor_msgs/msg/JointState`; empty where the file does not say.
+    /// Type of its messages, such as `sensor_msgs/msg/JointState`; empty where the file does not have it.
     pub kind: String,
     /// Messages in the file.
     pub messages: usize,
     /// First and last log time, ns.
     pub logged: Option<[u64; 2]>,
-    /// Names that the first message gives to what is in it, as joint states do.
+    /// Names of the elements in the first message, as in joint states.
     pub names: Vec<String>,
-    /// The layout of its messages, or why they cannot be read; many topics may share a long one.
+    /// The layout of its messages, or why they cannot be read; topics may share one.
     pub(super) layout: Result<Arc<Layout>, String>,
 }
 
@@ -41,7 +41,7 @@ impl McapFile {
             .is_some_and(|extension| extension == "mcap")
     }
 
-    /// Reads a file, one that is cut up to the cut.
+    /// Reads a file; a truncated one up to the cut.
     ///
     /// # Errors
     /// [`RecordingError`] with the byte where the file is damaged.
@@ -51,7 +51,7 @@ impl McapFile {
         Self::of(path, bytes)
     }
 
-    /// As [`Self::open`], a file of which the bytes are known; `path` stands in errors.
+    /// As [`Self::open`], from the bytes of a file; `path` is for errors.
     ///
     /// # Errors
     /// As [`Self::open`].
@@ -84,12 +84,12 @@ impl McapFile {
         &self.path
     }
 
-    /// Where the file is cut, if it is.
+    /// The position of the cut, if it is truncated.
     pub fn cut(&self) -> Option<Cut> {
         self.cut
     }
 
-    /// Remarks on the file as a whole: that it is cut, and where.
+    /// Remarks on the file as a whole: that it is truncated, and where.
     pub fn remarks(&self) -> Vec<String> {
         let words = |cut: Cut| {
             let (file, Cut { at, length }) = (self.path.display(), cut);
@@ -120,14 +120,14 @@ impl McapFile {
 }
 
 impl Topic {
-    /// Fields of its messages that hold numbers, `[]` where they hold many; empty where they cannot be read.
+    /// Fields of its messages with numbers, `[]` for sequences; empty where they cannot be read.
     pub fn fields(&self) -> Vec<String> {
         self.layout
             .as_ref()
             .map_or_else(|_| Vec::new(), |layout| layout.numbers())
     }
 
-    /// Messages a second of log time.
+    /// Messages per second of log time.
     pub fn rate_hz(&self) -> Option<f64> {
         let [first, last] = self.logged?;
         let span = last.saturating_sub(first) as f64 / 1e9;
@@ -135,7 +135,7 @@ impl Topic {
     }
 }
 
-/// The findings of the first walk over a file.
+/// Results of the first pass over a file.
 #[derive(Default)]
 struct Index {
     schemas: HashMap<u16, (String, Result<Arc<Layout>, String>)>,
@@ -216,7 +216,7 @@ impl Topic {
     }
 }
 
-/// A fault at a byte of a file, in a field of a topic where it is one.
+/// An error at a byte of a file, with the field of a topic if there is one.
 pub(super) fn at_byte(
     path: &Path,
     broken: Broken,

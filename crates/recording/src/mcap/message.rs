@@ -1,8 +1,8 @@
-//! The messages that are written: their ROS 2 definitions and their CDR bodies.
+//! The written messages: their ROS 2 definitions and their CDR bodies.
 
 use super::cdr::Encoder;
 
-/// A type of message with the definitions of all that it holds.
+/// A message type with the definitions of its parts.
 #[derive(Debug)]
 pub(super) struct Definition {
     pub name: &'static str,
@@ -59,7 +59,7 @@ pub(super) const FLOATS: Definition = Definition {
            MSG: std_msgs/MultiArrayDimension\nstring label\nuint32 size\nuint32 stride\n",
 };
 
-/// `sensor_msgs/msg/JointState` of one joint; what is not measured stays empty.
+/// `sensor_msgs/msg/JointState` of one joint; unmeasured quantities are empty.
 pub(super) struct JointState<'a> {
     pub name: &'a str,
     pub position: &'a [f64],
@@ -78,7 +78,7 @@ impl JointState<'_> {
     }
 }
 
-/// `geometry_msgs/msg/PointStamped` and `Vector3Stamped`, which are laid out alike.
+/// `geometry_msgs/msg/PointStamped` and `Vector3Stamped`, which have the same layout.
 pub(super) fn encode_vector(stamp: i64, frame: &str, vector: [f64; 3], out: &mut Encoder) {
     header(stamp, frame, out);
     vector.iter().for_each(|value| out.f64(*value));

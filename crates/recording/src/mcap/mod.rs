@@ -1,6 +1,6 @@
-//! MCAP files in the profile of ROS 2: recordings are written while they are made, and read without a manifest.
+//! MCAP files in the profile of ROS 2: recordings are written during the run, and read without a manifest.
 //!
-//! A topic's definition stands in the file, so that a field of any message can be named.
+//! The file contains the definitions of its topics, so that a manifest can name a field of any message.
 //!
 //! Source: MCAP format specification, version 0; ROS 2 design, "Interface definition using .msg files".
 

@@ -1,13 +1,13 @@
-//! A file into which nothing more is written once something was refused.
+//! A file to which nothing more is written after a refused write.
 
 use crate::Sink;
 use std::io::{self, ErrorKind, Write};
 
 /// Passes bytes on until the disk refuses some.
 ///
-/// A writer that is dropped writes its end, and a disk may have room again by then. That end would stand
-/// behind a gap, where no reader finds it and what comes before looks damaged. So the file stays a beginning
-/// of what was to be written.
+/// A writer that is dropped writes its end, and the disk may have room again by then. That end would follow a
+/// gap, where no reader finds it, and the data before it would look damaged. So the file stays a prefix of the
+/// intended data.
 pub struct Prefix {
     file: Sink,
     refused: bool,
@@ -28,7 +28,7 @@ impl Write for Prefix {
             return Err(io::Error::other(reason));
         }
         let written = self.file.write(bytes);
-        // A signal is no refusal: whoever writes tries again.
+        // A signal is no refusal: the caller tries again.
         let refusal = |error: &io::Error| error.kind() != ErrorKind::Interrupted;
         self.refused = written.as_ref().is_err_and(refusal);
         written

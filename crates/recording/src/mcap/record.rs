@@ -1,8 +1,9 @@
 //! The three records that a recording is made of: schemas, channels, messages.
 //!
-//! Read here rather than by the library that writes them (mcap 0.26): its `parse_record` reserves up to 4 GiB where the
-//! length of a text lies, its `ChunkReader` has no limit, and its `LinearReader` does not say where in the file a
-//! record stands and, to check a chunk before it is read, reserves the size that the chunk claims.
+//! They are read here and not by the library that writes them (mcap 0.26). Its `parse_record` reserves up to 4
+//! GiB for a wrong length of a text, and its `ChunkReader` has no limit. Its `LinearReader` does not give the
+//! position of a record in the file and, to check a chunk before it is read, reserves the size that the chunk
+//! claims.
 //!
 //! Source: MCAP format specification, version 0, "Records".
 
@@ -37,8 +38,8 @@ pub(super) struct Message<'a> {
 }
 
 impl<'a> Record<'a> {
-    /// From opcode and body; none where the body ends too early or text is not UTF-8. Other records than the
-    /// three do not concern a recording.
+    /// From opcode and body; `None` where the body ends too early or text is not UTF-8. Other records do not
+    /// matter for a recording.
     pub(super) fn parse(code: u8, mut body: &'a [u8]) -> Option<Self> {
         let rest = &mut body;
         Some(match code {

@@ -1,25 +1,25 @@
-//! A recording from an MCAP file alone: the topics that Quell writes say which role they have.
+//! A recording from an MCAP file alone: Quell's own topics determine the roles.
 
 use super::file::{McapFile, Topic};
 use super::topic::{JOINT_STATES, carrier, joint_and_role};
 use crate::error::{Place, Problem, RecordingError};
 use crate::{Channel, ROLES, Recording, Role, Unit};
 
-/// Where a role of a joint is in a file.
+/// Place of a role of a joint in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
     /// The role.
     pub role: Role,
     /// The topic.
     pub topic: String,
-    /// The fields of its messages, one a column.
+    /// The fields of its messages, one for each column.
     pub fields: Vec<String>,
-    /// The source of its stamps, where that is not the default.
+    /// The source of its stamps, if it is not the default.
     time: Option<&'static str>,
 }
 
 impl McapFile {
-    /// The joints that the file tells of: those with topics of their own, else the names of the joint states.
+    /// The joints of the file: those with topics of their own, else the names in the joint states.
     pub fn joints(&self) -> Vec<String> {
         let own = self
             .topics()
@@ -38,7 +38,7 @@ impl McapFile {
         joints
     }
 
-    /// The roles of a joint that the topics have by their names and types, in the order of [`ROLES`].
+    /// The roles of a joint, from the names and types of the topics, in the order of [`ROLES`].
     pub fn roles(&self, joint: &str) -> Vec<Found> {
         let of = |role| {
             self.topics()
@@ -48,7 +48,7 @@ impl McapFile {
         ROLES.iter().flat_map(|entry| of(entry.role)).collect()
     }
 
-    /// The recording of a joint, which need not be named where there is one only.
+    /// The recording of a joint, which need not be named if there is only one.
     ///
     /// Values are SI in the role's usual unit; times are s since the first log time of the file.
     ///
@@ -93,7 +93,7 @@ impl McapFile {
     /// `publish_time` or a field with a stamp; by default `header.stamp`, where there is one, else `log_time`.
     ///
     /// # Errors
-    /// [`RecordingError`] with topic and field where the file does not have them, or a number is not finite.
+    /// [`RecordingError`] with topic and field where these are missing, or a number is not finite.
     pub fn numbers(
         &self,
         topic: &str,
@@ -107,7 +107,7 @@ impl McapFile {
         Ok(series.since(topic, self.zero()))
     }
 
-    /// The names that are there instead of a field that no message has.
+    /// The error for a field that no message has, with the available names.
     fn none_has(&self, topic: &str, fields: &[&str]) -> RecordingError {
         let entry = self.topics().iter().find(|entry| entry.name == topic);
         let names = entry.map_or(String::new(), |entry| entry.names.join(", "));
@@ -179,7 +179,7 @@ fn found(topic: &Topic, joint: &str, role: Role) -> Option<Found> {
     })
 }
 
-/// The SI unit of what a role usually is.
+/// The SI unit of a role's usual quantity.
 fn usual_unit(role: Role) -> String {
     let dimension = role.entry().dimensions[0];
     let unit = crate::UNITS

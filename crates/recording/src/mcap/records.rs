@@ -1,6 +1,6 @@
-//! The records of an MCAP file one after the other, up to where it ends or was cut.
+//! The records of an MCAP file in sequence, up to its end or cut.
 //!
-//! The index at the end of a file is not used: a recorder that was stopped hard has written none.
+//! The index at the end of a file is not used: a recorder that was killed has not written one.
 
 use super::chunk::Chunk;
 use super::record::Record;
@@ -13,13 +13,13 @@ const FRAME: usize = 9;
 /// A file that ends before it is complete.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cut {
-    /// Where the record begins that is not whole, bytes.
+    /// Start of the incomplete record, bytes.
     pub at: usize,
     /// Length of the file, bytes.
     pub length: usize,
 }
 
-/// Where the bytes are not those of an MCAP file, and why.
+/// Position and reason of invalid bytes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Broken {
     pub byte: usize,
@@ -28,9 +28,9 @@ pub(super) struct Broken {
 
 /// One step along a file.
 enum Step<'a> {
-    /// Opcode, body, and where the record begins.
+    /// Opcode, body, and start of the record.
     Record(u8, &'a [u8], usize),
-    /// A record that is longer than what is there.
+    /// A record that is longer than the rest of the file.
     Cut(u8, &'a [u8], usize),
 }
 
@@ -62,11 +62,10 @@ impl<'a> Iterator for Steps<'a> {
     }
 }
 
-/// Calls `visit` with every schema, channel and message. Tells where the file is cut, if it is.
+/// Calls `visit` with every schema, channel and message. Returns the position of a cut, if there is one.
 ///
-/// # Errors
-/// [`Broken`] where the bytes are damaged, and what `visit` says, with the byte of the record: in a chunk, where
-/// the chunk begins.
+/// # Errors [`Broken`] where the bytes are damaged, and the errors of `visit`, with the byte of the record; in
+/// a chunk, that of the chunk.
 pub(super) fn visit(
     file: &[u8],
     mut visit: impl FnMut(Record) -> Result<(), String>,
@@ -81,7 +80,7 @@ pub(super) fn visit(
             false => Err(broken(0, "the file does not begin as an MCAP file")),
         };
     }
-    // What ends as a file should is whole, and a record in it that does not fit is damaged.
+    // A file with a proper end is complete, so that a record that does not fit is damaged.
     let may_be_cut = file.len() < 2 * MAGIC.len() || !file.ends_with(MAGIC);
     let mut steps = Steps {
         bytes: file,

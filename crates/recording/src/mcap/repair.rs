@@ -1,7 +1,7 @@
-//! A file that was never finished is made whole, so that other tools open it.
+//! Repair of an unfinished file, so that other tools open it.
 //!
-//! Readers look for the summary and the footer at the end of a file. A writer that was stopped hard has
-//! written neither, and its last chunk may be cut.
+//! Readers need the summary and the footer at the end of a file. A writer that was killed has written neither,
+//! and its last chunk may be truncated.
 
 use super::file::McapFile;
 use super::record::Record;
@@ -14,23 +14,23 @@ use ::mcap::{McapError, Writer};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-/// A whole file of the messages that were found in a damaged one.
+/// A complete file with the messages that were found in a damaged one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mended {
-    /// The file: index, summary and footer as the format wants them.
+    /// The file, with index, summary and footer.
     pub bytes: Vec<u8>,
     /// Messages in it.
     pub messages: u64,
-    /// The end of the messages, where it was not the end of the file: a record that is damaged. What
-    /// stands behind it is not in `bytes`.
+    /// The end of the messages if it was not the end of the file: a damaged record. The data behind it are not
+    /// in `bytes`.
     pub damage: Option<String>,
 }
 
 impl McapFile {
-    /// Takes over what is whole in a file: schemas, channels and messages with their numbers and times.
+    /// Copies the intact part of a file: schemas, channels and messages with their numbers and times.
     ///
     /// # Errors
-    /// [`RecordingError`] where the file cannot be read. One that holds nothing is mended to an empty one.
+    /// [`RecordingError`] where the file cannot be read. A file without messages gives an empty one.
     pub fn mended(path: &Path) -> Result<Mended, RecordingError> {
         let bytes = std::fs::read(path).map_err(|error| RecordingError::io(path, &error))?;
         let mut copy = Copy::new().map_err(|error| refused(path, error))?;
@@ -79,7 +79,7 @@ impl Copy {
                 topic,
                 encoding,
             } => {
-                // No schema has the number 0: it says that there is none.
+                // No schema has the number 0, which means none.
                 let schema = match schema {
                     0 => Some(&0),
                     schema => self.schemas.get(&schema),

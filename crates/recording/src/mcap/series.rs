@@ -7,8 +7,8 @@ use super::records::Broken;
 use super::value::{self, Path, Value};
 use crate::error::{Place, Problem, RecordingError};
 
-/// Stamps that are further from their log times than this are of another clock, ns: longer than a bus delays a
-/// message, shorter than what lies between clocks that nobody sets.
+/// Distance of stamps from their log times, ns, above which they are of another clock: longer than the delay of
+/// a bus, shorter than the offset of unsynchronised clocks.
 const DELAY: i64 = 1_000_000_000;
 
 /// Stamps and columns of a topic in the order of the messages.
@@ -65,7 +65,7 @@ impl Clock {
 }
 
 impl McapFile {
-    /// Stamps and numbers of fields of a topic; none where no message has them.
+    /// Stamps and numbers of fields of a topic; `None` if no message has them.
     pub(super) fn series(
         &self,
         topic: &str,
@@ -106,10 +106,10 @@ impl McapFile {
     }
 }
 
-/// Where a message could not be read, and the index of the field, where it is one.
+/// Position of an unreadable message, and the index of the field if there is one.
 type Unread = (Broken, Option<usize>);
 
-/// Reads the fields in all messages of a topic; messages that do not have an element of that name are left out.
+/// Reads the fields in all messages of a topic; messages without an element of that name are left out.
 fn series(
     file: &McapFile,
     topic: &str,
@@ -143,8 +143,8 @@ fn series(
     Ok(series)
 }
 
-/// The numbers of a message, none where it does not have an element of that name; `at_field` is the field in
-/// which something is wrong.
+/// The numbers of a message; `None` if it does not have an element of that name. `at_field` is set to the field
+/// of an error.
 fn row(
     fields: &[Path],
     value: &Value,
@@ -167,10 +167,10 @@ fn row(
 }
 
 impl Series {
-    /// Brings stamps of a clock of their own onto that of the file, by the message that was least delayed.
+    /// Converts stamps of another clock to that of the file, by the message of least delay.
     fn onto_the_files_clock(&mut self, topic: &str, logs: &[i64]) {
         if self.stamps.iter().all(|stamp| *stamp == 0) {
-            // Nobody has stamped these headers.
+            // These headers were not stamped.
             self.stamps = logs.into();
         }
         let delays = || {
@@ -195,8 +195,8 @@ impl Series {
         }
     }
 
-    /// Time in s from an instant on, strictly increasing, and the columns beside it: sorted, and without
-    /// messages whose stamp another one has.
+    /// Time in s from an instant on, strictly increasing, with the columns: sorted, and without messages of
+    /// equal stamps.
     pub(super) fn since(self, topic: &str, zero: i64) -> (Vec<f64>, Vec<Vec<f64>>) {
         let seconds = |index: &usize| self.stamps[*index].saturating_sub(zero) as f64 / 1e9;
         let mut order: Vec<usize> = (0..self.stamps.len()).collect();

@@ -1,11 +1,11 @@
-//! The service's own topics: which role a topic has, and in which field of its type the value is.
+//! Quell's own topics: the role of a topic, and the field of its type with the value.
 //!
 //! | topic | type | role |
 //! |---|---|---|
 //! | `/joint_states` | `sensor_msgs/msg/JointState` | `motor_position` |
 //! | `/quell/<joint>/command` | `sensor_msgs/msg/JointState` | `command_position`; the velocity beside it |
-//! | `/quell/<joint>/command_acceleration` | `std_msgs/msg/Float64` | none, for the eye |
-//! | `/quell/<joint>/<numbers>` | `std_msgs/msg/Float64MultiArray` | none: what is known of the joint |
+//! | `/quell/<joint>/command_acceleration` | `std_msgs/msg/Float64` | none, for display |
+//! | `/quell/<joint>/<numbers>` | `std_msgs/msg/Float64MultiArray` | none: knowledge about the joint |
 //! | `/quell/<joint>/<role>` | see [`carrier`] | the role of that name |
 
 use super::message::{Definition, FLOAT, JOINT_STATE, POINT_STAMPED, VECTOR_STAMPED};
@@ -13,21 +13,20 @@ use crate::Role;
 
 /// The topic of ROS 2's joint states.
 pub(super) const JOINT_STATES: &str = "/joint_states";
-/// Last part of the topic of commanded accelerations, which a joint state has no field for.
+/// Last part of the topic of commanded accelerations, for which a joint state has no field.
 pub(super) const COMMAND_ACCELERATION: &str = "command_acceleration";
 /// Last part of the topic of commands.
 const COMMAND: &str = "command";
 
-/// A type of message and the fields of it that hold the value; a field with a joint's name in brackets
-/// is found by that name.
+/// A message type and its fields with the value. A field with a joint's name in brackets is found by that name.
 pub(super) struct Carrier {
     pub definition: &'static Definition,
     pub fields: &'static [&'static str],
 }
 
-/// The type of message that carries so many columns of a role.
+/// The message type for this number of columns of a role.
 ///
-/// Where ROS 2 has no stamped scalar for a role it is a `Float64`, and its publish time is the sensor's stamp.
+/// If ROS 2 has no stamped scalar for a role, it is a `Float64`, and its publish time is the sensor's stamp.
 pub(super) fn carrier(role: Role, columns: usize) -> Carrier {
     let (definition, fields): (_, &[&str]) = match role {
         Role::CommandPosition | Role::MotorPosition | Role::LinkPosition | Role::Deformation => {

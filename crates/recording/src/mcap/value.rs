@@ -11,7 +11,7 @@ pub(super) enum Value<'a> {
     Record(Vec<Value<'a>>),
     Numbers(Vec<f64>),
     Many(Vec<Value<'a>>),
-    /// Nobody asked for it.
+    /// Not requested.
     Skipped,
 }
 
@@ -25,12 +25,12 @@ pub(super) struct Path {
 enum Step {
     Field(usize),
     Index(usize),
-    /// The element whose name stands in a sequence of names beside it, the field of this index.
+    /// The element with this name in a sequence of names, which is the field of this index.
     Name(usize, String),
 }
 
-/// Names of fields with the names of what stands in the sequences beside them, as in
-/// `sensor_msgs/JointState`, `trajectory_msgs/JointTrajectory` and `control_msgs/DynamicJointState`.
+/// Fields with the names of the elements in the sequences beside them, as in `sensor_msgs/JointState`,
+/// `trajectory_msgs/JointTrajectory` and `control_msgs/DynamicJointState`.
 const NAMES: [&str; 3] = ["name", "joint_names", "names"];
 
 impl Path {
@@ -69,7 +69,7 @@ impl Path {
         }
     }
 
-    /// The number, or none where this message does not have the element of that name.
+    /// The number; `None` if this message does not have the element of that name.
     ///
     /// # Errors
     /// A sentence, where a sequence ends before the element.
@@ -104,7 +104,7 @@ impl Path {
         }
     }
 
-    /// Indices of the message's fields that have to be read for this path.
+    /// Indices of the message's fields that must be read for this path.
     pub(super) fn roots(&self) -> impl Iterator<Item = usize> {
         self.steps.iter().take(2).filter_map(|step| match step {
             Step::Field(index) | Step::Name(index, _) => Some(*index),
@@ -157,7 +157,7 @@ impl Value<'_> {
     }
 }
 
-/// Reads the fields of a message that `wanted` says, in their places; the others are skipped.
+/// Reads the `wanted` fields of a message, in their places; the others are skipped.
 ///
 /// # Errors
 /// [`Damage`] where the bytes are not as the definition says.

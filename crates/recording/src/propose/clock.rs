@@ -1,19 +1,19 @@
-//! Which column has the time, and in what unit; and which column tells tests apart.
+//! The column of the time, with its unit; and the column that separates tests.
 
 use super::super::stamp::TimeUnit;
 use super::Guess;
 use super::content::{Column, Content};
 use super::name;
 
-/// Rate, Hz, below which stamps are not taken for seconds without being told: of a vibration of a few hertz, the slowest
-/// of a robot, it has not two samples a period.
+/// Rate, Hz, below which stamps are not assumed to be seconds: for a robot's slowest vibration of a few hertz
+/// there are less than two samples a period.
 const SLOWEST: f64 = 5.0;
 /// Seconds since 1970 in the years 2001 to 2286: ten digits.
 const EPOCH: [f64; 2] = [1e9, 1e10];
 
 /// The clock of a file.
 pub enum Clock {
-    /// A column with stamps; where their unit is not certain, why that matters.
+    /// A column with stamps; if their unit is uncertain, with the reason why that matters.
     Stamps {
         column: usize,
         unit: Guess<TimeUnit>,
@@ -21,12 +21,12 @@ pub enum Clock {
     },
     /// A rate, Hz.
     Rate(f64),
-    /// Nothing tells the time.
+    /// The file has no time.
     None,
 }
 
 impl Clock {
-    /// Whether a column is the clock's.
+    /// Whether a column belongs to the clock.
     pub fn has(&self, index: usize) -> bool {
         matches!(self, Self::Stamps { column, .. } if *column == index)
     }
@@ -75,7 +75,7 @@ fn is_date(cell: &str) -> bool {
     cell.contains(':') && TimeUnit::Iso.seconds(cell, &mut Some(0)).is_some()
 }
 
-/// The unit of a column of stamps, and what is not certain of it.
+/// The unit of a column of stamps, and its uncertainty.
 fn unit(column: &Column) -> (Guess<TimeUnit>, Option<String>) {
     if is_date(&column.first) && column.texts > 0 {
         return (Guess::known(TimeUnit::Iso), None);
@@ -146,7 +146,7 @@ fn step(column: &Column) -> f64 {
     }
 }
 
-/// The column that tells tests apart, where the time of a file begins again: within each of its values time grows.
+/// The column that separates tests, if the time of a file restarts: within each of its values time grows.
 pub fn tests(content: &Content, clock: &Clock) -> Option<usize> {
     let Clock::Stamps {
         column: time, unit, ..
@@ -159,7 +159,7 @@ pub fn tests(content: &Content, clock: &Clock) -> Option<usize> {
     if unit.value == TimeUnit::Iso || stamps.grows(0..rows) {
         return None;
     }
-    // Where each stretch of growing time begins.
+    // The starts of the stretches of growing time.
     let falls = |row: &usize| stamps.numbers[*row] <= stamps.numbers[*row - 1];
     let begins = (1..rows).filter(falls).count() + 1;
     let parts = |column: &Column| {
@@ -173,7 +173,8 @@ pub fn tests(content: &Content, clock: &Clock) -> Option<usize> {
             && parts(&content.columns[index])
             && content.columns[index].distinct.len() < rows
     });
-    // A sample that is told twice makes many parts of a signal: the tests are the fewest.
+    // A repeated sample splits a signal into many parts; the column with the fewest values is that of the
+    // tests.
     tells.min_by_key(|&index| content.columns[index].distinct.len())
 }
 

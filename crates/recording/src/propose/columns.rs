@@ -1,4 +1,4 @@
-//! Which channels the columns of a file may be.
+//! Proposed channels for the columns of a file.
 
 use super::super::role::Role;
 use super::super::unit::Dimension;
@@ -9,29 +9,30 @@ use super::name;
 
 /// Standard acceleration of free fall, m/s^2.
 const G_N: f64 = 9.80665;
-/// Share by which the mean of an accelerometer at rest may differ from that: its offset, and the other axes' tilt.
+/// Largest relative difference of an accelerometer's mean at rest from that: its offset, and the tilt of the
+/// other axes.
 const OFFSET: f64 = 0.05;
 
-/// A channel that is proposed.
+/// A proposed channel.
 pub struct Channel {
     /// Its role.
     pub role: Guess<Role>,
-    /// Its joint, where the file has lists with an element for each joint.
+    /// Its joint, if the file has lists with an element for each joint.
     pub joint: Option<String>,
-    /// Its columns, by their place in the file.
+    /// Its columns, by their index in the file.
     pub columns: Vec<usize>,
     /// Its unit.
     pub unit: Guess<String>,
 }
 
-/// What the columns may be.
+/// Proposed channels of a file.
 #[derive(Default)]
 pub struct Channels {
     /// The channels.
     pub found: Vec<Channel>,
     /// Columns that are not used.
     pub unused: Vec<usize>,
-    /// What is not certain.
+    /// Open questions.
     pub open: Vec<String>,
 }
 
@@ -75,7 +76,7 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
 }
 
 impl Channels {
-    /// Adds a column, to the channel whose other axes are there already.
+    /// Adds a column, to a channel that has its other axes already if there is one.
     fn take(&mut self, content: &Content, index: usize, (role, certain): (Role, bool)) {
         let column = &content.columns[index];
         let joint = name::index_of(&column.title);
@@ -110,7 +111,7 @@ impl Channels {
         }
     }
 
-    /// One column of numbers, of which nothing is known: what vibrates.
+    /// A single column of numbers without a known name is taken for the vibration.
     fn only_one(&mut self, content: &Content) {
         let numeric = |index: &&usize| {
             let column = &content.columns[**index];
@@ -123,7 +124,7 @@ impl Channels {
         }
     }
 
-    /// What is guessed, and matters. A tip sensor has three axes: with fewer it is a deflection.
+    /// Handles guesses that matter. A tip sensor has three axes; with fewer it is a deflection.
     fn alone(&mut self) {
         for channel in &mut self.found {
             if channel.role.value == Role::TipPosition && channel.columns.len() != 3 {
@@ -131,7 +132,7 @@ impl Channels {
                 channel.columns.truncate(1);
             }
         }
-        // One channel alone is what vibrates, whatever its role.
+        // A single channel is the vibration, whatever its role.
         if self.found.len() == 1 {
             return;
         }
@@ -162,7 +163,7 @@ fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
         .and_then(name::unit)
         .map(|unit| unit.dimension);
     let named = name.role();
-    // A tool that has an acceleration's unit has an accelerometer.
+    // A tool with an acceleration's unit has an accelerometer.
     match (named, dimension) {
         (Some((role, true)), _) => Some((role, true)),
         (_, Some(Dimension::Acceleration)) => Some((Role::TipAcceleration, true)),
@@ -177,7 +178,7 @@ fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
     }
 }
 
-/// The role that a quantity has most often.
+/// The most frequent role of a quantity.
 fn by_dimension(dimension: Dimension) -> Option<(Role, bool)> {
     match dimension {
         Dimension::Angle => Some((Role::MotorPosition, false)),
@@ -194,7 +195,7 @@ fn by_dimension(dimension: Dimension) -> Option<(Role, bool)> {
     }
 }
 
-/// The unit of a channel whose names do not say it.
+/// The unit of a channel whose names do not contain it.
 fn unit(content: &Content, channel: &Channel) -> Guess<String> {
     let role = channel.role.value;
     if role != Role::TipAcceleration {

@@ -1,4 +1,4 @@
-//! A CSV file as it is read before anyone said what it is.
+//! A CSV file before its meaning is known.
 
 use super::super::error::{Problem, RecordingError};
 use super::super::layout::Layout;
@@ -8,9 +8,9 @@ use super::name::{self, Name};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Cells that say by custom that there is none.
+/// Usual cells for missing values.
 const MISSING: &[&str] = &["", "NaN", "nan", "NAN", "NA", "N/A", "null", "None", "-"];
-/// Lines of a known form that are looked at.
+/// Most lines that are read of a known form.
 const HEAD: usize = 400;
 /// Most values of a column that tells tests apart.
 const MOST_TESTS: usize = 1000;
@@ -23,30 +23,30 @@ pub struct Content {
     pub layout: Layout,
     /// Its columns.
     pub columns: Vec<Column>,
-    /// Samples a second that RepRapFirmware tells at the end of its files.
+    /// Samples per second at the end of files of RepRapFirmware.
     pub told_rate_hz: Option<f64>,
 }
 
 /// A column.
 pub struct Column {
-    /// What a manifest calls it.
+    /// Its name in a manifest.
     pub called: String,
-    /// What stands in the header, where there is one.
+    /// Its text in the header, if there is one.
     pub title: String,
-    /// The title, taken apart.
+    /// The parts of the title.
     pub name: Name,
     /// Its numbers; NaN for any other cell.
     pub numbers: Vec<f64>,
-    /// How many cells are neither numbers nor missing.
+    /// Number of cells that are neither numbers nor missing.
     pub texts: usize,
     /// The first cell.
     pub first: String,
-    /// The cells that it has, in their order, where they are few.
+    /// Its distinct cells in their order, if there are few.
     pub distinct: Vec<String>,
 }
 
 impl Content {
-    /// The first lines of a file of which these say all: Klipper's or RepRapFirmware's; none of any other.
+    /// The first lines of a file of Klipper or RepRapFirmware, which are sufficient; `None` for other files.
     ///
     /// # Errors
     /// As [`Content::read`].
@@ -134,7 +134,7 @@ impl Column {
         }
     }
 
-    /// Takes a cell, and says whether it is missing.
+    /// Adds a cell; returns whether it is missing.
     fn take(&mut self, cell: &str, layout: &Layout) -> bool {
         if self.numbers.is_empty() {
             self.first = cell.into();

@@ -1,14 +1,14 @@
-//! The form of a CSV file by its first lines: separator, decimal mark, comments, header.
+//! The layout of a CSV file from its first lines: separator, decimal mark, comments, header.
 
 use super::super::layout::Layout;
 
-/// Lines that are looked at.
+/// Most lines that are read.
 const LOOKED_AT: usize = 300;
-/// Share of the rows of a column that are numbers, where the column is one of numbers.
+/// Least share of numbers in the rows of a numeric column.
 const MOST: f64 = 0.9;
 /// Marks of comments.
 const MARKS: [char; 3] = ['#', '%', '/'];
-/// Separators, in the order in which they are believed, and decimal marks beside them.
+/// Separators in order of preference, each with a decimal mark.
 const FORMS: [(char, char); 8] = [
     (',', '.'),
     (';', '.'),
@@ -20,15 +20,15 @@ const FORMS: [(char, char); 8] = [
     (' ', ','),
 ];
 
-/// A form, and the names that stand above the numbers where there are units below them.
+/// A layout, and the names above a row of units.
 pub struct Form {
     /// The form.
     pub layout: Layout,
-    /// Names of the columns, where the layout has no header because a row of units stands below it.
+    /// Names of the columns, if the layout has no header because a row of units stands below it.
     pub names: Option<Vec<String>>,
 }
 
-/// The form of a text; none where it has no rows of numbers.
+/// The layout of a text; `None` without rows of numbers.
 pub fn of(text: &str) -> Option<Form> {
     let lines: Vec<&str> = text.lines().take(LOOKED_AT).collect();
     let plain = |line: &&&str| !line.trim().is_empty() && !line.trim_start().starts_with(MARKS);
@@ -47,7 +47,8 @@ pub fn of(text: &str) -> Option<Form> {
     let cells = |line: &str| split(line, delimiter).len();
     let count = usual(rows.iter().map(|line| cells(line)));
     let is_row = |line: &str| cells(line) == count && numbers(line, delimiter, decimal) > 0;
-    // A line above the table may have a number as well, `Writer_Version 2`; no table has one row before other lines.
+    // A line above the table may contain a number as well, `Writer_Version 2`; but a table does not consist of
+    // one row before other lines.
     let goes_on = |&line: &usize| {
         let below = lines[line + 1..].iter().find(plain);
         is_row(lines[line]) && below.is_none_or(|below| is_row(below))
@@ -62,7 +63,7 @@ pub fn of(text: &str) -> Option<Form> {
     match header {
         None => layout.header = Some(false),
         Some(line) if is_units(lines[line], delimiter) => {
-            // Names, then units: the columns are called by their numbers, with both told.
+            // Names, then units: the columns are called by their numbers, with both as title.
             let over = above.next().filter(|&line| cells(lines[line]) == count);
             names = over.map(|over| joined(lines[over], lines[line], delimiter));
             layout.header = Some(false);
@@ -77,7 +78,7 @@ pub fn of(text: &str) -> Option<Form> {
         marked(text) && Some(*line) != header && layout.skip.is_none_or(|skip| *line >= skip)
     });
     layout.comment = commented.and_then(|(_, text)| text.trim_start().chars().next());
-    // RepRapFirmware ends its file so.
+    // RepRapFirmware ends its files with this.
     if text
         .trim_end()
         .lines()
@@ -106,7 +107,7 @@ fn columns(rows: &[&str], delimiter: char, decimal: char) -> usize {
     of_count.len() * (0..count).filter(|c| column(*c)).count()
 }
 
-/// The number that most have.
+/// The most frequent number.
 fn usual(counts: impl Iterator<Item = usize>) -> usize {
     let mut counts: Vec<usize> = counts.collect();
     counts.sort_unstable();
@@ -139,7 +140,7 @@ fn numbers(line: &str, delimiter: char, decimal: char) -> usize {
     split(line, delimiter).iter().filter(is_one).count()
 }
 
-/// Whether a line has units only, more than one of them.
+/// Whether a line contains only units, more than one.
 fn is_units(line: &str, delimiter: char) -> bool {
     let cells = split(line, delimiter);
     let bare = |cell: &&str| cell.trim_matches(['(', ')', '[', ']']).to_owned();

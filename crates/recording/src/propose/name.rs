@@ -1,20 +1,20 @@
-//! What the name of a column says: a role, an axis, a unit.
+//! Information in the name of a column: a role, an axis, a unit.
 
 use super::super::role::{ROLES, Role};
 use super::super::stamp::TimeUnit;
 use super::super::unit::Unit;
 
-/// A name, taken apart.
+/// The parts of a name.
 #[derive(Clone, Debug, Default)]
 pub struct Name {
-    /// Its words, in small letters, without the unit.
+    /// Its words, in lower case, without the unit.
     pub words: Vec<String>,
-    /// Its unit as it is written, where it has one.
+    /// Its unit as written, if it has one.
     pub unit: Option<String>,
 }
 
-/// Words that say a role, in the order in which they are asked: all of the first and one of the second must be there.
-/// The last says whether they can mean nothing else.
+/// Words of roles, in the order of the tests: all of the first and one of the second must be present. The last
+/// field tells whether they have no other meaning.
 const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
     (
         Role::LinkAcceleration,
@@ -75,7 +75,7 @@ const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
             "soll",
             "sollwert",
             "sollposition",
-            // As data sets for learning call it.
+            // A name in data sets for machine learning.
             "action",
         ],
         false,
@@ -134,7 +134,7 @@ const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
     ),
 ];
 
-/// Words that say time, and those that only count.
+/// Words for time, and words for counters.
 const TIME: &[&str] = &[
     "time",
     "t",
@@ -149,7 +149,7 @@ const TIME: &[&str] = &[
 ];
 const COUNTS: &[&str] = &["sample", "index", "n", "i", "row", "no", "nr", "count"];
 
-/// A name, taken apart: `accel_x [mm/s^2]`, `tipY_mm`, `motor_speed_rad_s`.
+/// The parts of a name: `accel_x [mm/s^2]`, `tipY_mm`, `motor_speed_rad_s`.
 pub fn parse(name: &str) -> Name {
     let name = name.trim();
     if let Some(at) = index_of(name) {
@@ -170,7 +170,7 @@ pub fn parse(name: &str) -> Name {
         };
     }
     let parts = words(name);
-    // The longest tail that is a unit: of `rad_s` it is rad/s, and not s.
+    // The longest tail that is a unit: `rad_s` is rad/s, and not s.
     for from in 1..parts.len() {
         let tail = parts[from..].join("/");
         let tail = tail
@@ -192,14 +192,14 @@ pub fn parse(name: &str) -> Name {
     Name { words, unit: None }
 }
 
-/// Where the index of an element of a list begins: `state[3]`.
+/// Start of the index of a list element: `state[3]`.
 pub fn index_of(name: &str) -> Option<usize> {
     let at = name.rfind('[').filter(|at| *at > 0)?;
     let index = name[at + 1..].strip_suffix(']')?;
     (!index.is_empty() && index.chars().all(|digit| digit.is_ascii_digit())).then_some(at)
 }
 
-/// The words of a name: parted by what is no letter or digit, and where a small letter meets a capital one.
+/// The words of a name, separated by other characters, and at changes from lower to upper case.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut before = ' ';
@@ -224,7 +224,7 @@ pub fn is_unit(text: &str) -> bool {
     unit(text).is_some() || time_unit(text).is_some()
 }
 
-/// The unit that a text means, however it is written.
+/// The unit that a text means, in any spelling.
 pub fn unit(text: &str) -> Option<&'static Unit> {
     let text = text
         .replace("sec", "s")
@@ -251,7 +251,7 @@ pub fn time_unit(text: &str) -> Option<TimeUnit> {
 }
 
 impl Name {
-    /// The role of a column of this name, and whether it can be no other.
+    /// The role of a column with this name, and whether it is certain.
     pub fn role(&self) -> Option<(Role, bool)> {
         let said = self.without_axis().join("_");
         if let Some(entry) = ROLES.iter().find(|entry| entry.name == said) {
@@ -269,7 +269,7 @@ impl Name {
         Some((found.0, found.3))
     }
 
-    /// Which of x, y, z the name says.
+    /// The axis in the name: 0, 1 or 2 for x, y or z.
     pub fn axis(&self) -> Option<usize> {
         let last = self.words.last()?;
         let ends = ["x", "y", "z"].iter().position(|axis| last == axis);
@@ -289,7 +289,7 @@ impl Name {
         &self.words[..self.words.len() - usize::from(is_axis)]
     }
 
-    /// Whether the name says time.
+    /// Whether the name means time.
     pub fn is_time(&self) -> bool {
         self.words
             .first()
@@ -305,7 +305,7 @@ impl Name {
                     .is_some_and(|unit| time_unit(unit).is_some()))
     }
 
-    /// Whether the name says that the column counts the rows.
+    /// Whether the name means a counter of rows.
     pub fn is_count(&self) -> bool {
         self.words.len() == 1 && COUNTS.contains(&self.words[0].as_str())
     }

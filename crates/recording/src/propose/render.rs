@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
 
-/// A file and what it may be.
+/// A file with its proposal.
 struct Read<'a> {
     content: &'a Content,
     clock: Clock,
@@ -80,7 +80,7 @@ fn read(content: &Content) -> Read<'_> {
     }
 }
 
-/// Whether the files are channels of one run: no role is in two of them, and none has several tests.
+/// Whether the files are channels of one run: they have no role in common, and none has several tests.
 fn are_one_run(files: &[Read]) -> bool {
     let mut roles = BTreeSet::new();
     let mut found = files.iter().flat_map(|file| &file.channels.found);
@@ -89,7 +89,7 @@ fn are_one_run(files: &[Read]) -> bool {
 }
 
 impl Read<'_> {
-    /// What is not certain, and matters.
+    /// Open questions that matter.
     fn open(&self) -> Vec<String> {
         let mut open = self.channels.open.clone();
         match &self.clock {
@@ -149,7 +149,7 @@ impl Read<'_> {
     }
 }
 
-/// The table of the form; nothing where it is plain.
+/// The table of the layout; empty for a plain file.
 fn layout(head: &str, before: &str, layout: &Layout, only: Option<(String, String)>) -> String {
     let mut text = String::new();
     let mark = |mark: char| quoted(&mark.to_string());
@@ -251,12 +251,12 @@ fn key<T>(key: &str, value: &str, guess: &Guess<T>) -> String {
     }
 }
 
-/// A text as TOML writes it.
+/// A TOML string.
 fn quoted(text: &str) -> String {
     toml::Value::String(text.into()).to_string()
 }
 
-/// A text that stays on its line.
+/// A text on one line.
 fn line(text: &str) -> String {
     text.replace(['\n', '\r'], " ")
 }

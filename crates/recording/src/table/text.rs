@@ -19,7 +19,7 @@ pub fn first_row(text: &str, layout: &Layout) -> Option<usize> {
         .map(|(number, _)| number)
 }
 
-/// Where a line begins, counted from 0; the end where there are fewer.
+/// Start of a line, counted from 0; the end where there are fewer lines.
 pub fn line_start(text: &str, line: usize) -> usize {
     let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
     match line {
@@ -31,7 +31,7 @@ pub fn line_start(text: &str, line: usize) -> usize {
     }
 }
 
-/// A text whose cells are parted by one space each.
+/// A text with single spaces between its cells.
 pub fn single_spaces(text: &str) -> String {
     let mut spaced = String::with_capacity(text.len());
     for line in text.lines() {
@@ -63,8 +63,7 @@ pub fn text(path: &Path) -> Result<String, RecordingError> {
     Ok(text)
 }
 
-/// The text of bytes in ISO 8859-1, as older tools write umlauts and signs; none where there are bytes that no text in it
-/// has.
+/// The text of bytes in ISO 8859-1, as written by older tools; `None` for bytes that do not occur in text.
 fn latin_1(bytes: &[u8]) -> Option<String> {
     let is_text = |byte: &u8| matches!(byte, b'\t' | b'\n' | b'\r' | 0x20..=0x7e | 0xa0..=0xff);
     let all = bytes.iter().all(is_text);
@@ -90,7 +89,7 @@ fn bytes(path: &Path) -> Result<Vec<u8>, Problem> {
     }
 }
 
-/// Ends of lines in some bytes.
+/// Number of line ends in some bytes.
 pub fn count_line_ends(bytes: &[u8]) -> usize {
     bytes.iter().filter(|&&byte| byte == b'\n').count()
 }

@@ -1,4 +1,4 @@
-//! Where the fit of a clock's offset begins: the joint as a spring that does not ring.
+//! Start of the clock-offset fit: the joint as a spring without vibration.
 
 use super::ringing::{MARGIN, XI_MAX};
 use super::{ClockFit, effective_samples};
@@ -6,7 +6,7 @@ use crate::spectrum::{Window, spectrum};
 use crate::{CubicSpline, SignalError};
 use nalgebra::Vector6;
 
-/// `angle - u = theta_0 - tau u' - kappa u''`: the joint as a spring without ringing.
+/// `angle - u = theta_0 - tau u' - kappa u''`: the joint as a spring without vibration.
 pub(super) struct QuasiStatic {
     /// `theta_0`, rad.
     pub angle_offset: f64,
@@ -86,7 +86,7 @@ impl QuasiStatic {
             .collect()
     }
 
-    /// Parameters that a fit of a mode begins with: at a damping ratio of 0.05, at rest.
+    /// Starting parameters of a fit with a mode: at a damping ratio of 0.05, at rest.
     pub fn begin(&self, frequency: f64) -> Vector6<f64> {
         let offset = self.offset.clamp(-0.5 * MARGIN, 0.5 * MARGIN);
         let logit = -(XI_MAX / 0.05 - 1.0f64).ln();

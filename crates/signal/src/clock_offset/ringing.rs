@@ -1,4 +1,4 @@
-//! The least-squares problem behind the fit of a clock's offset: a joint that rings.
+//! The least-squares problem of the clock-offset fit: a joint with vibration.
 
 use crate::forced_response::free_response;
 use crate::{CubicSpline, ForcedResponse};
@@ -6,7 +6,7 @@ use levenberg_marquardt::LeastSquaresProblem;
 use nalgebra::{DVector, Dyn, OMatrix, Owned, U6, Vector6};
 use quell_shapers::Mode;
 
-/// Fine offsets up to this, s, are fitted; they keep every sample within the encoder's span.
+/// Largest fine offset, s, that is fitted; it keeps every sample within the encoder's span.
 pub(super) const MARGIN: f64 = 0.02;
 
 /// Parameters: constant, offset, ln omega, logit of xi, initial deformation and its rate over omega.
@@ -19,7 +19,7 @@ pub(super) struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// The deformation that parameters say, or `None` outside their range.
+    /// The deformation for these parameters; `None` outside their range.
     fn response(&self, p: &Vector6<f64>) -> Option<ForcedResponse<'_>> {
         let mode = mode_of(p)?;
         if p[1].is_nan() || p[1].abs() > MARGIN {

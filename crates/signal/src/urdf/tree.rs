@@ -22,7 +22,7 @@ pub(super) fn tree(text: &str) -> Result<Tree, String> {
         joints: Vec::new(),
         bodies: Vec::new(),
     };
-    // A link, the joint that moves it, and where it is on what that moves.
+    // A link, its joint, and its transform relative to the link that the joint moves.
     let mut left = vec![(root.name.as_str(), None, Isometry3::identity())];
     while let Some(own) = left.pop() {
         left.extend(behind(&robot, own, &mut tree)?);
@@ -35,7 +35,7 @@ pub(super) fn tree(text: &str) -> Result<Tree, String> {
 
 type Place<'a> = (&'a str, Option<usize>, Isometry3<f64>);
 
-/// Takes in the joints that a link carries; the links behind them.
+/// Adds the joints of a link; returns the links behind them.
 fn behind<'a>(
     robot: &'a Robot,
     (name, parent, at): Place,

@@ -14,18 +14,18 @@ use quell_control::estimators::{EstimatorEntry, Settings};
 use quell_control::learning::{Learner, LearnerSettings, Prescription, Surroundings};
 use quell_signal::{ArcRegistration, DeformationSensor, Measurement, RestRule};
 
-/// The arm is watched for this many periods of the believed mode after its command has ended.
+/// Time for which the arm is observed after its command has ended, in periods of the believed mode.
 const WATCHED_PERIODS: f64 = 12.0;
-/// No move lasts longer than this, s; sizes the buffers.
+/// Longest duration of a move, s; sizes the buffers.
 const LONGEST_MOVE: f64 = 20.0;
 
-/// Distance of the tip from its target below which the motor side has followed, m: a tenth of the
-/// tracker's noise. What is still to come of its motion forces a deformation of that size.
+/// Distance of the tip from its target below which the motor side has followed, m: a tenth of the tracker's
+/// noise. The rest of its motion causes a deformation of that size.
 const FOLLOWED: f64 = 1e-6;
 /// Rounding of velocities and accelerations by the planner and of differences over one tick.
 const ROUNDING: f64 = 1e-9;
 
-/// The parts of a cell.
+/// Settings of a cell.
 #[derive(Clone)]
 pub struct CellSettings {
     /// The robot.
@@ -38,9 +38,9 @@ pub struct CellSettings {
     pub displacement: f64,
     /// Limits of the moves.
     pub limits: Limits,
-    /// The rule that designs trains; `None` sends plans as they are.
+    /// The rule that designs trains; `None` sends plans unshaped.
     pub shaper: Option<&'static dyn Shaper>,
-    /// The mode that is shaped for until a better one is learned.
+    /// The mode that is shaped for until a better one is known.
     pub belief: Mode,
     /// Whether the train follows the estimate.
     pub adaptive: bool,
@@ -55,7 +55,7 @@ pub(super) struct Running {
     target: f64,
     planned_end: f64,
     slowed_to: Option<f64>,
-    /// Length of the train that the move met, s.
+    /// Length of the move's train, s.
     train: f64,
     /// The axis before the move.
     before: AxisStatus,
@@ -65,7 +65,7 @@ pub(super) struct Running {
     log: MeasurementLog,
 }
 
-/// A plan, unless the shaped command exceeds the limits at every speed that was tried.
+/// A plan, unless its shaped command exceeds the limits at every tried speed.
 ///
 /// # Errors
 /// [`ClosedLoopError::Limits`].
@@ -88,9 +88,9 @@ pub struct Cell {
     registration: ArcRegistration,
     watch: f64,
     inbox: Vec<Measurement>,
-    /// Learns from move to move, where the train follows the estimate.
+    /// Learns from move to move, if the train follows the estimate.
     learner: Option<Learner>,
-    /// What it prescribed for the last move.
+    /// The prescription for the last move.
     prescribed: Option<Prescription>,
     shaper: Option<&'static dyn Shaper>,
 }
@@ -119,7 +119,7 @@ impl Cell {
             retune: settings.retune,
             estimator: settings.estimator,
             estimation: Settings {
-                // What may be accepted must be looked for.
+                // Every mode that may be accepted must be in the estimator's range.
                 frequency_range: (low, high),
                 ..Settings::around(belief, 1.0 / robot.tracker.rate)
             },
@@ -160,21 +160,21 @@ impl Cell {
         })
     }
 
-    /// The arm, for what only a simulation can tell.
+    /// The arm, for values that only a simulation knows.
     pub fn arm(&self) -> &ArmSimulation {
         &self.arm
     }
 
-    /// Where the command stands, rad.
+    /// Position of the command, rad.
     pub fn position(&self) -> f64 {
         self.controller.planned().position
     }
 
-    /// Moves to `target` (rad) and watches the arm ring out.
+    /// Moves to `target` (rad) and observes the arm until its vibration has decayed.
     ///
     /// # Errors
-    /// [`ClosedLoopError::Plan`] where the move cannot be planned; [`ClosedLoopError::Limits`] where a
-    /// train with negative impulses exceeds the limits however slow the move.
+    /// [`ClosedLoopError::Plan`] where the move cannot be planned; [`ClosedLoopError::Limits`] where a train
+    /// with negative impulses exceeds the limits at every speed.
     pub fn run_move(&mut self, target: f64) -> Result<MoveTrace, ClosedLoopError> {
         let ends = [self.position(), target];
         let mut slowed = self.plan(ends)?;
@@ -196,7 +196,7 @@ impl Cell {
         Ok(self.end(running))
     }
 
-    /// Sends a plan to `target` (rad) that was made elsewhere, and watches the arm ring out.
+    /// Sends a given plan to `target` (rad), and observes the arm until its vibration has decayed.
     ///
     /// # Errors
     /// [`ClosedLoopError::Load`] where the controller refuses it.
@@ -217,7 +217,7 @@ impl Cell {
         within_limits(plan_shaped(&self.planner, ends, self.limits, train)?)
     }
 
-    /// Sets the train that earlier moves have taught for a plan; whether it is another one.
+    /// Sets the train that was learned from earlier moves for a plan; returns whether it is another one.
     fn prescribe(&mut self, plan: &SampledTrajectory) -> Result<bool, ClosedLoopError> {
         let Some(learner) = &mut self.learner else {
             return Ok(false);
@@ -234,7 +234,7 @@ impl Cell {
         Ok(changes)
     }
 
-    /// The controller, for moves that several cells make together.
+    /// The controller, for moves of several cells together.
     pub(super) fn controller(&self) -> &Controller {
         &self.controller
     }
@@ -269,7 +269,7 @@ impl Cell {
         Ok(running)
     }
 
-    /// Whether the arm has been watched for long enough after its command has ended.
+    /// Whether the arm has been observed long enough after its command has ended.
     pub(super) fn is_over(&self, running: &Running) -> bool {
         let time = running.ticks.len() as f64 * self.controller.sample_time();
         running.quiet >= self.watch || time >= LONGEST_MOVE
@@ -350,7 +350,7 @@ fn command_end(ticks: &[Tick]) -> f64 {
         .map_or(0.0, |last| ticks[last + 1].time)
 }
 
-/// From when on the motor side stays within `tolerance` of the target.
+/// The time from which the motor side stays within `tolerance` of the target.
 fn motor_end(ticks: &[Tick], target: f64, tolerance: f64) -> f64 {
     let away = |tick: &Tick| (tick.motor_position - target).abs() > tolerance;
     let last = ticks.iter().rposition(away);

@@ -1,4 +1,4 @@
-//! Learning where the tracker stands and how its clock reads.
+//! Commissioning: the tracker's frame and clock from a move.
 
 use nalgebra::Point3;
 use quell_trajectories::{AxisState, Limits, Planner, Trajectory};
@@ -7,22 +7,22 @@ use super::ClosedLoopError;
 use crate::plant::{ArmSimulation, Command};
 use quell_signal::{ArcRegistration, CubicSpline, End, Measurement, SignalError, register_arc};
 
-/// Rest before each of the two moves, s: the tracker sees the arm at rest too.
+/// Rest before each of the two moves, s, so that the tracker also sees the arm at rest.
 const PAUSE: f64 = 0.5;
-/// Rest after the last one that is recorded, s: 3 Hz at 5 % rings out to 6 %.
+/// Rest after the last recorded move, s: 3 Hz at 5 % decays to 6 %.
 const RING_OUT: f64 = 3.0;
-/// Time constants of the envelope that the arm is then left alone, to 1 in 1000: the controller
-/// takes it to be at rest when it begins.
+/// Further rest in time constants of the envelope, to 1 in 1000: the controller takes the arm to be at rest
+/// when it begins.
 const TIME_CONSTANTS: f64 = 7.0;
-/// And no longer than this, s: 0.1 % at 10 Hz has a time constant of 16 s.
+/// Longest rest, s: 0.1 % at 10 Hz has a time constant of 16 s.
 const LONGEST_REST: f64 = 120.0;
-/// Arcs above this are not doubled any more, rad: 20 degrees bulge by 14 mm at a radius of 1 m.
+/// Arc above which the move is not doubled any more, rad: an arc of 20 degrees at a radius of 1 m has a height
+/// of 14 mm.
 const LONGEST_ARC: f64 = 0.35;
 
-/// Moves the joint there and back, unshaped, and registers frame and clock of the tracker from what
-/// encoder and tracker saw. The mode that comes out on the way is not handed on: the controller has
-/// to learn it by itself. An arc that is too short to be told from a line in the tracker's noise is
-/// doubled.
+/// Moves the joint there and back, unshaped, and registers frame and clock of the tracker from the data of
+/// encoder and tracker. The mode from this fit is not passed on: the controller must learn it on its own. An
+/// arc that the tracker's noise does not distinguish from a line is doubled.
 ///
 /// # Errors
 /// [`ClosedLoopError::Plan`]; [`ClosedLoopError::Registration`] where the longest arc is too short.

@@ -12,15 +12,15 @@ use quell_control::tolerance::{Bounds, Moving, Tolerance, fastest};
 /// One of the moves that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MoveKind {
-    /// The plan as it is.
+    /// The unshaped plan.
     Unshaped,
-    /// Shaped for the belief, which stays.
+    /// Shaped for the belief, which does not change.
     WrongBelief,
     /// Shaped for the belief, and corrected in motion once the mode is known.
     AdaptiveFirst,
-    /// The next move of the same controller: back, with what it has learned.
+    /// The next move of the same controller: back, with the learned mode.
     AdaptiveNext,
-    /// The first move again, as fast as a tolerance allows for what was learned.
+    /// The first move again, as fast as a tolerance allows with the learned modes.
     WithinTolerance,
 }
 
@@ -59,7 +59,7 @@ pub struct Scenario {
     pub limits: Limits,
     /// How the arm is simulated.
     pub simulation: SimulationOptions,
-    /// The mode that the engineer believes in.
+    /// The engineer's believed mode.
     pub belief: Mode,
     /// The rule that designs trains.
     pub shaper: &'static dyn Shaper,
@@ -72,14 +72,14 @@ pub struct Scenario {
 pub struct Comparison {
     /// The first four of [`MoveKind::ALL`].
     made: [MoveTrace; 4],
-    /// The move within a tolerance, where it was asked for, and what it leaves at most.
+    /// The move within a tolerance, if requested, and the bounds of its residual.
     within: Option<(MoveTrace, Bounds)>,
     /// The simulated arm's true mode.
     pub truth: Mode,
 }
 
 impl Comparison {
-    /// Puts the moves of the three cells side by side.
+    /// Combines the moves of the three cells.
     pub fn new(
         unshaped: MoveTrace,
         wrong_belief: MoveTrace,
@@ -100,7 +100,7 @@ impl Comparison {
         }
     }
 
-    /// The moves that were made, in the order of [`MoveKind::ALL`].
+    /// The available moves, in the order of [`MoveKind::ALL`].
     pub fn moves(&self) -> impl Iterator<Item = (MoveKind, &MoveTrace)> {
         let within = self.within.iter().map(|(trace, _)| trace);
         MoveKind::ALL
@@ -108,18 +108,18 @@ impl Comparison {
             .zip(self.made.iter().chain(within))
     }
 
-    /// The move of that kind; none of that within a tolerance, where none was asked for.
+    /// The move of that kind; `None` for the one within a tolerance if it was not requested.
     pub fn trace(&self, kind: MoveKind) -> Option<&MoveTrace> {
         let mut moves = self.moves();
         moves.find(|one| one.0 == kind).map(|one| one.1)
     }
 
-    /// The plan as it is.
+    /// The unshaped move.
     pub fn unshaped(&self) -> &MoveTrace {
         &self.made[0]
     }
 
-    /// That shaped for the belief.
+    /// The one shaped for the belief.
     pub fn wrong_belief(&self) -> &MoveTrace {
         &self.made[1]
     }
@@ -129,25 +129,25 @@ impl Comparison {
         &self.made[2]
     }
 
-    /// The one after it, with what was learned.
+    /// The one after it, with the learned mode.
     pub fn adaptive_next(&self) -> &MoveTrace {
         &self.made[3]
     }
 
-    /// What the move within a tolerance leaves at most.
+    /// Bounds of the residual of the move within a tolerance.
     pub fn bounds(&self) -> Option<Bounds> {
         self.within.as_ref().map(|(_, bounds)| *bounds)
     }
 
-    /// Residual vibration of a move over that of the unshaped one; not a number for one that was not made.
+    /// Residual vibration of a move relative to that of the unshaped one; NaN if it was not made.
     pub fn ratio(&self, kind: MoveKind) -> f64 {
         self.of(kind, MoveTrace::residual) / self.unshaped().residual()
     }
 
-    /// The time that a command takes more than the plan at the limits, s; not a number for one that was not made.
+    /// Additional duration of a command relative to the plan at the limits, s; NaN if it was not made.
     pub fn added_delay(&self, kind: MoveKind) -> f64 {
         match kind {
-            // Its plan is longer in the place of a train.
+            // Its plan is longer, and has no train.
             MoveKind::WithinTolerance => {
                 self.of(kind, |trace| trace.command_end) - self.unshaped().planned_end
             }
@@ -194,7 +194,7 @@ impl Scenario {
         ))
     }
 
-    /// The plan as it is.
+    /// The unshaped move.
     ///
     /// # Errors
     /// As [`Scenario::run`].
@@ -203,7 +203,7 @@ impl Scenario {
         cell.run_move(cell.position() + self.displacement)
     }
 
-    /// Shaped for the belief, which stays.
+    /// Shaped for the belief, which does not change.
     ///
     /// # Errors
     /// As [`Scenario::run`].
@@ -224,7 +224,7 @@ impl Scenario {
         Ok((first, next, cell.arm().true_mode().unwrap_or(self.belief)))
     }
 
-    /// The move as fast as a tolerance allows for modes that were learned; its plan is sent as it is.
+    /// The fastest move within a tolerance for learned modes; its plan is sent unshaped.
     ///
     /// # Errors
     /// As [`Scenario::run`], and [`ClosedLoopError::Tolerance`] where no move is within the tolerance.

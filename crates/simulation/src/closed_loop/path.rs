@@ -10,28 +10,28 @@ use quell_control::controller::RetunePolicy;
 use quell_control::estimators::EstimatorEntry;
 use quell_control::tolerance::{Bounds, Moving, Tolerance, fastest};
 
-/// Poses on the way at which the distance of the tip from an axis is looked at.
+/// Number of poses on the way at which the distance of the tip from an axis is computed.
 const LOOKS: usize = 32;
 
 /// One of the moves on a path that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PathKind {
-    /// The plan as it is.
+    /// The unshaped plan.
     Unshaped,
-    /// Each joint shaped by a train of its own, for the belief until the mode is known.
+    /// Each joint has a train of its own, for the belief until the mode is known.
     OwnTrainsFirst,
-    /// The next move of the same controllers: back, with what they have learned.
+    /// The next move of the same controllers: back, with the learned modes.
     OwnTrainsNext,
-    /// Each joint shaped by the trains of all, for the beliefs: new trains wait for rest.
+    /// Each joint has the trains of all, for the beliefs: new trains wait for rest.
     CommonTrainFirst,
-    /// The next move of the same controllers: back, with what they have learned.
+    /// The next move of the same controllers: back, with the learned modes.
     CommonTrainNext,
-    /// The first move again, as fast as a tolerance allows for what was learned.
+    /// The first move again, as fast as a tolerance allows with the learned modes.
     WithinTolerance,
 }
 
 impl PathKind {
-    /// All six, in the order in which they are told.
+    /// All six, in the order of reports.
     pub const ALL: [Self; 6] = [
         Self::Unshaped,
         Self::OwnTrainsFirst,
@@ -63,7 +63,7 @@ pub struct PathJoint {
     pub displacement: f64,
     /// Its limits.
     pub limits: Limits,
-    /// The mode that is believed in; none for a stiff joint, which has no train of its own.
+    /// The believed mode; `None` for a stiff joint, which has no train of its own.
     pub belief: Option<Mode>,
 }
 
@@ -87,12 +87,12 @@ pub struct PathScenario {
 pub struct PathComparison {
     /// The moves, in the order of [`PathKind::ALL`]; the last one where it was asked for.
     pub moves: Vec<(PathKind, PathTrace)>,
-    /// What the move within a tolerance leaves at most.
+    /// Bounds of the residual of the move within a tolerance.
     pub bounds: Option<Bounds>,
 }
 
 impl PathComparison {
-    /// Puts the moves of the three sets of cells side by side.
+    /// Combines the moves of the three sets of cells.
     pub fn new(unshaped: PathTrace, own: [PathTrace; 2], common: [PathTrace; 2]) -> Self {
         let traces = [unshaped].into_iter().chain(own).chain(common);
         Self {
@@ -108,11 +108,11 @@ impl PathComparison {
         self
     }
 
-    /// The time that the command takes more than the plan at the limits, s.
+    /// Additional duration of the command relative to the plan at the limits, s.
     pub fn added_delay(&self, kind: PathKind) -> f64 {
         let trace = self.trace(kind);
         match kind {
-            // Its plan is longer in the place of a train.
+            // Its plan is longer, and has no train.
             PathKind::WithinTolerance => {
                 trace.command_end() - self.trace(PathKind::Unshaped).command_end()
             }
@@ -125,8 +125,8 @@ impl PathComparison {
         &self.moves[kind as usize].1
     }
 
-    /// Residual vibration of a joint, by its place in the scenario, over that of its unshaped move; not a number for a
-    /// stiff joint.
+    /// Residual vibration of a joint, by its index in the scenario, relative to that of its unshaped move; NaN
+    /// for a stiff joint.
     pub fn ratio(&self, kind: PathKind, joint: usize) -> f64 {
         let of = |kind| self.trace(kind).joints[joint].residual();
         of(kind) / of(PathKind::Unshaped)
@@ -134,7 +134,7 @@ impl PathComparison {
 }
 
 impl PathScenario {
-    /// The plan as it is.
+    /// The unshaped move.
     ///
     /// # Errors
     /// [`ClosedLoopError`] where the robot cannot be simulated or the move cannot be planned.
@@ -144,7 +144,7 @@ impl PathScenario {
         cells.run_move(&targets, self.limits())
     }
 
-    /// There and back, every joint with a train of its own.
+    /// There and back, with a train of its own for every joint.
     ///
     /// # Errors
     /// As [`PathScenario::unshaped`].
@@ -152,7 +152,7 @@ impl PathScenario {
         self.there_and_back(Cells::new(&self.cells(true), false)?)
     }
 
-    /// There and back, every joint with the trains of all.
+    /// There and back, with the trains of all for every joint.
     ///
     /// # Errors
     /// As [`PathScenario::unshaped`].
@@ -160,7 +160,7 @@ impl PathScenario {
         self.there_and_back(Cells::new(&self.cells(true), true)?)
     }
 
-    /// The move as fast as a tolerance allows, with the modes of each joint as they were learned; its plans are sent as they are.
+    /// The fastest move within a tolerance for the learned modes of each joint; its plans are sent unshaped.
     ///
     /// # Errors
     /// As [`PathScenario::unshaped`], and [`ClosedLoopError::Tolerance`] where no move is within the tolerance.
@@ -213,8 +213,8 @@ impl PathScenario {
             .collect()
     }
 
-    /// Limits of the path parameter: those of the joint that they bind most. A joint that goes `d` while the parameter
-    /// goes 1 has `|d|` times its velocity, acceleration and jerk.
+    /// Limits of the path parameter: those of the most restrictive joint. A joint that moves by `d` while the
+    /// parameter goes from 0 to 1 has `|d|` times its velocity, acceleration and jerk.
     fn limits(&self) -> Limits {
         let least = |of: fn(&Limits) -> f64| {
             let each = self
@@ -231,7 +231,7 @@ impl PathScenario {
     }
 
     fn cells(&self, shaped: bool) -> Vec<CellSettings> {
-        // A stiff joint is watched as long as one that rings.
+        // A stiff joint is observed as long as one with a mode.
         let any = self.joints.iter().find_map(|joint| joint.belief);
         let cell = |(index, joint): (u64, &PathJoint)| {
             let shaped = shaped && joint.belief.is_some();

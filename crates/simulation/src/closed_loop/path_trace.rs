@@ -1,11 +1,11 @@
-//! The record of a move on a path, and how far it leaves the path.
+//! The record of a move on a path, and its departure from the path.
 
 use super::{MoveTrace, Tick};
 
 /// One move of all joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathTrace {
-    /// Where the joints stood, rad.
+    /// Start positions of the joints, rad.
     pub from: Vec<f64>,
     /// The move of each joint; all have the same ticks.
     pub joints: Vec<MoveTrace>,

@@ -7,11 +7,11 @@ use quell_trajectories::{Limits, Planner, SampledTrajectory};
 use super::cell::within_limits;
 use super::{Cell, CellSettings, ClosedLoopError, PathTrace};
 
-/// Cells of several joints, one plan for all. The joints do not shake one another.
+/// Cells of several joints with one plan. The joints do not excite one another.
 pub(super) struct Cells {
     cells: Vec<Cell>,
     planner: Planner,
-    /// The joint path; none where each axis runs a train of its own.
+    /// The kept path; `None` where each axis runs a train of its own.
     path: Option<KeptPath>,
 }
 
@@ -34,13 +34,13 @@ impl Cells {
         })
     }
 
-    /// Where the commands stand, rad.
+    /// Positions of the commands, rad.
     pub fn positions(&self) -> Vec<f64> {
         self.cells.iter().map(Cell::position).collect()
     }
 
-    /// Moves every joint to its target (rad) on one path, and watches the arms ring out. `limits` are those of the
-    /// path parameter, which goes from 0 to 1.
+    /// Moves every joint to its target (rad) on one path, and observes the arms until their vibration has
+    /// decayed. `limits` are those of the path parameter, which goes from 0 to 1.
     ///
     /// # Errors
     /// [`ClosedLoopError`] as for one cell.
@@ -59,7 +59,7 @@ impl Cells {
         self.run(plans.collect(), targets)
     }
 
-    /// Sends plans to the targets (rad) that were made elsewhere.
+    /// Sends given plans to the targets (rad).
     ///
     /// # Errors
     /// [`ClosedLoopError::Load`] where a controller refuses its plan.

@@ -1,4 +1,4 @@
-//! The record of one move, and the figures that people ask of it.
+//! The record of one move, and its key figures.
 
 use quell_shapers::{ImpulseTrain, PeakRatios, Setpoint, UncertainMode, peak_ratios};
 use quell_trajectories::Limits;
@@ -9,7 +9,7 @@ use quell_control::learning::{ModeOnWay, Prescription};
 use quell_recording::Recording;
 use quell_signal::{ArcRegistration, JointArc};
 
-/// One tick of a move, from the simulation's own truth.
+/// One tick of a move, with true values of the simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick {
     /// Time since the move began, s.
@@ -37,18 +37,17 @@ pub struct Tick {
 /// One move in the closed loop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MoveTrace {
-    /// Every tick, from the first of the plan until the arm was left alone.
+    /// Every tick, from the first of the plan until the end of the observation.
     pub ticks: Vec<Tick>,
     /// Control period, s.
     pub period: f64,
-    /// Where the move should end, rad.
+    /// Target of the move, rad.
     pub target: f64,
     /// End of the plan, s after its start.
     pub planned_end: f64,
     /// Last change of the command, s after the start.
     pub command_end: f64,
-    /// The motor side has followed: its distance from the target is below 1 um at the tip from here
-    /// on, s.
+    /// Time from which the motor side's distance from the target is below 1 um at the tip, s.
     pub motor_end: f64,
     /// The tip's arc in the robot's base frame.
     pub arc: JointArc,
@@ -60,7 +59,7 @@ pub struct MoveTrace {
     pub train: ImpulseTrain,
     /// Length of the longest train that was in force during the move, s.
     pub longest_train: f64,
-    /// Mode that it was designed for, as well as it was known.
+    /// Mode of its design, with its uncertainty.
     pub shaped_for: UncertainMode,
     /// Speed to which the move was slowed so that the shaped command keeps its limits, 0 to 1.
     pub slowed_to: Option<f64>,
@@ -70,14 +69,13 @@ pub struct MoveTrace {
     pub refused: u32,
     /// Corrections sent during the move.
     pub corrections: u32,
-    /// What earlier moves taught for this one, where the train follows the estimate.
+    /// The prescription from earlier moves, if the train follows the estimate.
     pub prescribed: Option<Prescription>,
 }
 
 impl MoveTrace {
-    /// Peak of the true deformation at the tip once the command has ended and the motor side has
-    /// followed (to 1 um), m. Counted from there because until then the deformation is
-    /// still being forced, not left over.
+    /// Peak of the true deformation at the tip, m, after the command has ended and the motor side has followed
+    /// (to 1 um). Before that the deformation is still forced.
     pub fn residual(&self) -> f64 {
         self.ticks
             .iter()
@@ -85,18 +83,18 @@ impl MoveTrace {
             .fold(0.0, |peak, tick| peak.max(tick.tip_deformation.abs()))
     }
 
-    /// Peak of the true deformation at the tip beside the planned acceleration, m: in cruise and at the end.
+    /// Peak of the true deformation at the tip without planned acceleration, m: in cruise and at the end.
     ///
-    /// A phase of planned acceleration lasts as long as the longest train draws it out, and until the motor side has
-    /// followed as it does at the end of the command: until then the deformation is forced.
+    /// A phase of planned acceleration is extended by the length of the longest train, and by the time in which
+    /// the motor side follows at the end of the command: until then the deformation is forced.
     pub fn vibration(&self) -> f64 {
         let quiet = self.quiet();
         let seen = self.ticks.iter().zip(quiet).filter(|(_, quiet)| *quiet);
         seen.fold(0.0, |peak, (tick, _)| peak.max(tick.tip_deformation.abs()))
     }
 
-    /// For each tick, whether the plan neither accelerates nor has done so shortly before, as
-    /// [`MoveTrace::vibration`] says.
+    /// For each tick, whether the plan neither accelerates nor has done so shortly before, as in
+    /// [`MoveTrace::vibration`].
     pub fn quiet(&self) -> Vec<bool> {
         let follows = self.longest_train + (self.motor_end - self.command_end).max(0.0);
         let mut until = f64::NEG_INFINITY;
@@ -144,7 +142,7 @@ impl MoveTrace {
         peak_ratios(command, &motion_limits(limits), self.period)
     }
 
-    /// The modes that are known after the move, each wherever it is on the way: those that were learned, else the one that is
+    /// The modes known after the move, each for all places of the way: the learned ones, else the one that is
     /// shaped for.
     pub fn known_modes(&self) -> Vec<UncertainMode> {
         let learned = self.prescribed.iter().flat_map(|one| &one.modes);

@@ -12,16 +12,16 @@ use super::options::{SimulationOptions, not_negative, oscillators};
 use super::robot::Robot;
 use quell_signal::{JointArc, Measurement};
 
-/// A sensor sample due within this time after the end of a period still belongs to it: rates that
+/// Tolerance, s, within which a sensor sample after the end of a period still belongs to it, so that rates that
 /// divide one another keep their order in spite of rounding.
 const SAME_INSTANT: f64 = 1e-9;
 
-/// Where the joint shall be at the end of a control period.
+/// Target of the joint at the end of a control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Command {
     /// Position, rad.
     pub position: f64,
-    /// Velocity, rad/s: with it the command in between is a cubic, without it a straight line.
+    /// Velocity, rad/s. With it the command is interpolated by a cubic, without it by a straight line.
     pub velocity: Option<f64>,
 }
 
@@ -44,7 +44,7 @@ impl Load {
     }
 }
 
-/// One joint of a robot that moves, vibrates and is measured; the other joints stand.
+/// One joint of a robot that moves, vibrates and is measured; the other joints stand still.
 ///
 /// Time starts at 0 on the controller's clock, which is also the encoder's. The same robot, options
 /// and commands give the same measurements to the bit.
@@ -107,11 +107,11 @@ impl ArmSimulation {
         Ok(arm)
     }
 
-    /// Advances by one control period (s) and returns what the sensors measured in it, in the order
-    /// of the instants, each stamped on its sensor's own clock.
+    /// Advances by one control period (s) and returns the measurements in it, in the order of their instants,
+    /// each stamped on its sensor's own clock.
     ///
-    /// The command leads from where the last one ended to `command`. A command that is not finite
-    /// holds the last position; a period that is not a finite number above 0 does nothing.
+    /// The command leads from the end of the last one to `command`. A command that is not finite holds the last
+    /// position; a period that is not a finite number above 0 does nothing.
     pub fn step(&mut self, command: Command, period: f64) -> &[Measurement] {
         self.measurements.clear();
         if !(period.is_finite() && period > 0.0) {
@@ -158,7 +158,7 @@ impl ArmSimulation {
         self.time = self.time.max(time);
     }
 
-    /// Instant of the tracker's next sample on the controller's clock: its rate is its own clock's.
+    /// Instant of the tracker's next sample on the controller's clock; its rate is that of its own clock.
     fn tracker_instant(&self) -> f64 {
         let period = 1.0 / (self.robot.tracker.rate * (1.0 + self.robot.tracker.clock.skew));
         self.tracker_phase + self.tracker_samples as f64 * period
@@ -211,7 +211,7 @@ impl ArmSimulation {
         Ok(Load { payload, modes })
     }
 
-    /// Takes a payload up; the joint's motion is continuous. Does not allocate.
+    /// Changes the payload; the joint's motion is continuous. Does not allocate.
     pub fn carry(&mut self, load: Load) {
         self.payload = load.payload;
         self.axis.set_modes(load.modes);

@@ -5,10 +5,10 @@ use quell_shapers::Mode;
 
 use super::robot::{Damping, Servo};
 
-/// Modes that one joint can have.
+/// Most modes of one joint.
 pub const MAX_MODES: usize = 4;
 
-/// One mode that the motor's acceleration drives.
+/// One mode driven by the motor's acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Oscillator {
     pub mode: Mode,
@@ -40,7 +40,7 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// At rest at `position` (rad).
+    /// An axis at rest at `position` (rad).
     pub fn at_rest(
         servo: Servo,
         oscillators: ArrayVec<Oscillator, MAX_MODES>,
@@ -92,8 +92,8 @@ impl Axis {
         [self.state.command[0], self.state.command[1]]
     }
 
-    /// From here the command leads to `position` in `period`: with the velocity given a cubic that
-    /// keeps the velocity continuous, without it a straight line.
+    /// Sets the command from here to `position` in `period`: with a velocity a cubic that keeps the velocity
+    /// continuous, without one a straight line.
     pub fn begin_period(&mut self, position: f64, velocity: Option<f64>, period: f64) {
         let [start, start_velocity, ..] = self.state.command;
         let mean = (position - start) / period;
@@ -107,7 +107,7 @@ impl Axis {
         };
     }
 
-    /// At the end of a period the command is what was asked for, to the last bit.
+    /// At the end of a period the command equals its target to the last bit.
     pub fn end_period(&mut self, position: f64, velocity: Option<f64>) {
         let velocity = velocity.unwrap_or(self.state.command[1]);
         self.state.command = [position, velocity, 0.0, 0.0];

@@ -50,10 +50,10 @@ pub enum RobotError {
 /// Why a simulation cannot be set up or changed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulationError {
-    /// The joint or the pose does not serve.
+    /// The joint or the pose is not suitable.
     #[error(transparent)]
     Kinematics(#[from] SignalError),
-    /// Pose and payload lead to something that is not a vibratory mode.
+    /// Pose and payload lead to an invalid mode.
     #[error("mode at this pose and payload: {0}")]
     Mode(#[from] ModeError),
     /// An option out of its range.

@@ -1,10 +1,10 @@
-//! Measurements of a simulation gathered into a recording.
+//! Measurements of a simulation, collected into a recording.
 
 use super::arm::{ArmSimulation, Command};
 use quell_recording::{Channel, Recording, Role};
 use quell_signal::Measurement;
 
-/// Gathers commands and measurements, each channel on its own clock.
+/// Collects commands and measurements, each channel on its own clock.
 #[derive(Clone, Debug, Default)]
 pub struct MeasurementLog {
     command: (Vec<f64>, Vec<f64>),
@@ -20,12 +20,12 @@ impl MeasurementLog {
         Self::default()
     }
 
-    /// Notes a commanded position (rad) that holds at `time` (s, controller's clock).
+    /// Adds a commanded position (rad) that holds at `time` (s, controller's clock).
     pub fn push_command(&mut self, time: f64, position: f64) {
         push(&mut self.command, time, position);
     }
 
-    /// Notes a measurement.
+    /// Adds a measurement.
     pub fn push(&mut self, measurement: &Measurement) {
         match *measurement {
             Measurement::MotorPosition { time, position } => push(&mut self.motor, time, position),
@@ -44,7 +44,7 @@ impl MeasurementLog {
         }
     }
 
-    /// Steps a simulation and notes command and measurements; returns the latter.
+    /// Steps a simulation and adds command and measurements; returns the latter.
     pub fn step<'a>(
         &mut self,
         arm: &'a mut ArmSimulation,
@@ -60,9 +60,9 @@ impl MeasurementLog {
         measurements
     }
 
-    /// The channels that hold samples, in the order command, motor, link, deformation, tip. Stamps are rounded to 1e-9 s,
-    /// angles to 1e-12 rad and positions to 1e-12 m, below what any sensor sees, so that files hold no rounding errors
-    /// of the arithmetic.
+    /// The channels with samples, in the order command, motor, link, deformation, tip. Stamps are rounded to
+    /// 1e-9 s, angles to 1e-12 rad and positions to 1e-12 m, below the resolution of any sensor, so that files
+    /// contain no rounding errors of the arithmetic.
     pub fn into_recording(self, name: &str) -> Recording {
         let scalar = |role, (time, values): (Vec<f64>, Vec<f64>)| Channel {
             role,
@@ -99,12 +99,12 @@ impl MeasurementLog {
     }
 }
 
-/// Parts of a second that a stamp may have.
+/// Resolution of stamps, parts of a second.
 const STAMPS: f64 = 1e9;
-/// Parts of a radian or a metre that a value may have.
+/// Resolution of values, parts of a radian or a metre.
 const VALUES: f64 = 1e12;
 
-/// To so many parts of one. Zero has no sign.
+/// Rounded to a number of parts of one; zero has no sign.
 fn rounded(value: f64, parts: f64) -> f64 {
     (value * parts).round() / parts + 0.0
 }

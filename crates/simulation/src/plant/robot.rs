@@ -1,4 +1,4 @@
-//! A robot as the simulation knows it: kinematics, masses, modes, servo, sensors, limits.
+//! A robot for simulation: kinematics, masses, modes, servo, sensors, limits.
 
 use nalgebra::{Isometry3, Point3};
 use quell_shapers::{Mode, ModeError};
@@ -69,11 +69,11 @@ pub struct Tracker {
     pub noise: f64,
     /// Its frame in the robot's base frame: maps tracker coordinates to base coordinates.
     pub pose: Isometry3<f64>,
-    /// How its clock reads.
+    /// Offset and skew of its clock.
     pub clock: Clock,
 }
 
-/// The move that is made when nothing else is asked for, from the home pose.
+/// The default move, from the home pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DefaultMove {
     /// Joint, counted from 0.
@@ -91,7 +91,7 @@ pub struct Robot {
     pub chain: Chain,
     /// Bodies that give the inertia; may be empty, then modes do not depend on pose or payload.
     pub bodies: Vec<Body>,
-    /// One entry a joint of the chain.
+    /// One entry for each joint of the chain.
     pub joints: Vec<RobotJoint>,
     /// Servo of the moved joint.
     pub servo: Servo,
@@ -111,8 +111,8 @@ impl Robot {
         self.joints.iter().map(|joint| joint.home).collect()
     }
 
-    /// Inertia of all that joint `joint` carries, about its axis, kg m^2:
-    /// `J = sum z'I z + m |z x (c - o)|^2`, the payload (kg) a point at the tip.
+    /// Inertia of everything that joint `joint` carries, about its axis, kg m^2:
+    /// `J = sum z'I z + m |z x (c - o)|^2`, with the payload (kg) as a point at the tip.
     ///
     /// # Errors
     /// [`SignalError::NoSuchJoint`].

@@ -37,7 +37,7 @@ impl Robot {
         parse(&text, file)
     }
 
-    /// Parses a robot description; `file` names it in errors and is what `urdf` is relative to.
+    /// Parses a robot description; `file` names it in errors, and `urdf` is relative to it.
     ///
     /// # Errors
     /// As [`Robot::from_file`].
@@ -46,7 +46,7 @@ impl Robot {
     }
 }
 
-/// Parses and checks a description; `file` names it in errors and is what `urdf` is relative to.
+/// Parses and checks a description; `file` names it in errors, and `urdf` is relative to it.
 fn parse(text: &str, file: &Path) -> Result<Robot, RobotError> {
     let keys: RobotFile = toml::from_str(text).map_err(|error| RobotError::Syntax {
         file: file.to_path_buf(),

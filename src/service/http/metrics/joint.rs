@@ -2,14 +2,14 @@
 
 use crate::service::contract::{JointSnapshot, WatchdogState};
 
-/// Name, what it is, and its value, where it is known.
+/// Name, description, and value if it is known.
 type Metric = (
     &'static str,
     &'static str,
     fn(&JointSnapshot) -> Option<f64>,
 );
 
-/// All metrics of a joint that have one value.
+/// All metrics of a joint with a single value.
 pub const JOINT: [Metric; 17] = [
     ("command_radians", "Commanded position.", |j| {
         Some(j.command_rad)
@@ -82,7 +82,7 @@ pub const JOINT: [Metric; 17] = [
     ),
 ];
 
-/// 1 for yes.
+/// 1 for true.
 pub fn flag(value: bool) -> f64 {
     f64::from(u8::from(value))
 }

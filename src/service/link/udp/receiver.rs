@@ -1,4 +1,4 @@
-//! The reader of datagrams, and the thread that it runs on.
+//! The decoder of datagrams, and its thread.
 
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
@@ -15,13 +15,13 @@ use crate::service::link::datagram::{FromRobot, LONGEST};
 use crate::service::link::intake::{Counts, Intake, Received, count};
 use crate::service::signature::Replay;
 
-/// How long it waits at a time, so that it sees that it shall end.
+/// Duration of one wait, so that it notices the end.
 const WAIT: Timespec = Timespec {
     tv_sec: 0,
     tv_nsec: 50_000_000,
 };
 
-/// Takes a robot's datagrams apart, wherever they come from.
+/// Decodes a robot's datagrams from any source.
 pub struct Ear {
     settings: UdpSettings,
     intake: Intake,
@@ -30,7 +30,7 @@ pub struct Ear {
     replay: Replay,
 }
 
-/// The messages that an [`Ear`] has heard: the tick's end.
+/// The tick's end of an [`Ear`].
 pub struct Heard {
     ring: Consumer<Received>,
     counts: Arc<Counts>,
@@ -38,7 +38,7 @@ pub struct Heard {
 }
 
 impl Heard {
-    /// Takes what has come since the last time, oldest first; what finds no room in `inbox` waits.
+    /// Takes the new measurements, oldest first; if `inbox` is full, the rest waits.
     pub fn receive(&mut self, inbox: &mut Vec<Measured>) {
         while inbox.len() < inbox.capacity() {
             match self.ring.pop() {
@@ -54,7 +54,7 @@ impl Heard {
         self.peer
     }
 
-    /// The messages so far.
+    /// The message counts so far.
     pub fn counters(&self) -> LinkHealth {
         LinkHealth {
             peer: self.peer,
@@ -64,7 +64,7 @@ impl Heard {
 }
 
 impl Ear {
-    /// An ear for the robot that the settings speak of, and its end at the tick.
+    /// A decoder for the robot of the settings, and the tick's end of it.
     pub fn new(settings: UdpSettings) -> (Self, Heard) {
         let joints = settings.joints.len();
         let (producer, ring) = RingBuffer::new(8 * INBOX * joints);
@@ -87,11 +87,11 @@ impl Ear {
 
     /// Takes datagrams from a socket until `ending` is set.
     pub(super) fn listen(mut self, socket: &UdpSocket, clock: &ServiceClock, ending: &AtomicBool) {
-        // One byte more than the longest, so that one that was cut is seen.
+        // One byte more than the longest, so that a truncated datagram is noticed.
         let mut buffer = [0; LONGEST + 1];
         while !ending.load(Relaxed) {
             let mut waiting = [PollFd::new(socket, PollFlags::IN)];
-            // An interrupted wait, or an error that a datagram sent earlier caused, ends below.
+            // An interrupted wait, or an error caused by an earlier datagram, ends below.
             let _ = poll(&mut waiting, Some(&WAIT));
             while let Ok((length, from)) = socket.recv_from(&mut buffer) {
                 self.hear(&buffer[..length], from, clock.now());
@@ -99,7 +99,7 @@ impl Ear {
         }
     }
 
-    /// Takes a datagram that came `from` an address at `now` (s on the service's clock), and counts it.
+    /// Processes a datagram `from` an address at `now` (s on the service's clock), and counts it.
     pub fn hear(&mut self, bytes: &[u8], from: SocketAddr, now: f64) {
         self.take(bytes, from, now);
         self.intake.counts().finished();
@@ -143,7 +143,7 @@ impl Ear {
     fn is_from_robot(&self, from: SocketAddr, now: f64) -> bool {
         match self.peer {
             Some(peer) if peer == from => true,
-            // A robot that was started anew may have another port.
+            // A restarted robot may have another port.
             Some(_) => self.may_adopt(from) && now - self.last_heard > self.silence(),
             None => self.may_adopt(from),
         }

@@ -1,4 +1,4 @@
-//! The bridge to ROS 2 beside the setpoints: moves in, modes and impulses out.
+//! The bridge to ROS 2 besides the setpoints: moves in, modes and impulses out.
 
 use std::io;
 use std::sync::Arc;
@@ -15,9 +15,10 @@ use crate::recording::Encoder;
 use crate::service::config::Config;
 use crate::service::contract::{Handle, JointSnapshot, Request};
 
-/// Trajectories that may wait to become moves.
+/// Most waiting trajectories.
 const WAITING: usize = 16;
-/// How often modes and impulses are told: whoever comes later has them soon, and a person reads no faster.
+/// Interval of publishing modes and impulses: a late subscriber gets them soon, and it is fast enough for a
+/// display.
 const TOLD: Duration = Duration::from_millis(100);
 /// The fields of a mode's message.
 const MODE: &str = "frequency_hz,damping_ratio,estimated_frequency_hz,estimated_frequency_std_hz,\
@@ -25,13 +26,13 @@ const MODE: &str = "frequency_hz,damping_ratio,estimated_frequency_hz,estimated_
 
 /// The messages to the bridge's thread.
 enum Word {
-    /// Joints and where they shall end, rad.
+    /// Joints and their targets, rad.
     Targets(Vec<(String, f64)>),
     /// The service ends.
     End,
 }
 
-/// Turns trajectories into moves and tells modes and impulses, for as long as it is held.
+/// Turns trajectories into moves, and publishes modes and impulses, until it is dropped.
 pub struct ZenohBridge {
     words: SyncSender<Word>,
     thread: Option<JoinHandle<()>>,
@@ -72,7 +73,7 @@ impl ZenohBridge {
 
 impl Drop for ZenohBridge {
     fn drop(&mut self) {
-        // It has gone already where the channel is closed.
+        // If the channel is closed, the thread has ended already.
         let _ = self.words.send(Word::End);
         if let Some(thread) = self.thread.take() {
             // If it panicked, that was reported when it did.
@@ -82,7 +83,7 @@ impl Drop for ZenohBridge {
 }
 
 fn told(node: &Node, joint: &str) -> io::Result<Told> {
-    // What a joint may be called here is more than a topic may be called in ROS 2.
+    // A joint's name may contain characters that a topic of ROS 2 may not.
     let name = joint.replace(['-', '.'], "_");
     let publisher = |what: &str| {
         let topic = format!("/quell/{name}/{what}");

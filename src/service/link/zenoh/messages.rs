@@ -1,15 +1,15 @@
-//! The messages of ROS 2 that come and go: names, type hashes, CDR bodies.
+//! The ROS 2 messages of the link: names, type hashes, CDR bodies.
 
 use crate::recording::Decoder;
 use crate::service::link::datagram::LARGEST;
 
 const SECOND: i64 = 1_000_000_000;
-/// Points and names that a message may have: more than that is no trajectory that somebody planned.
+/// Most points and names of a message; a larger one is no planned trajectory.
 const MOST: usize = 100_000;
 
-/// A type of message as a key expression has it.
+/// A message type in a key expression.
 ///
-/// The hash is that of the definition's structure, so that peers of another one are not heard.
+/// The hash is that of the definition, so that peers with another one are ignored.
 /// Source: ROS 2 REP 2016, "RIHS01".
 pub(super) struct MessageType {
     pub name: &'static str,
@@ -36,7 +36,7 @@ pub(super) const FLOAT64_MULTI_ARRAY: MessageType = MessageType {
     hash: "RIHS01_1025ddc6b9552d191f89ef1a8d2f60f3d373e28b283d8891ddcc974e8c55397f",
 };
 
-/// The fields that are read of `sensor_msgs/msg/JointState`.
+/// The used fields of `sensor_msgs/msg/JointState`.
 #[derive(Debug, PartialEq)]
 pub(super) struct JointState<'a> {
     /// Stamp, ns since 1970; 0 where the sender does not set it.
@@ -45,7 +45,7 @@ pub(super) struct JointState<'a> {
     pub positions: Vec<(&'a str, f64)>,
 }
 
-/// The fields that are read of `sensor_msgs/msg/Imu`.
+/// The used fields of `sensor_msgs/msg/Imu`.
 #[derive(Debug, PartialEq)]
 pub(super) struct Imu {
     /// Stamp, ns since 1970; 0 where the sender does not set it.
@@ -54,8 +54,8 @@ pub(super) struct Imu {
     pub acceleration: [f64; 3],
 }
 
-/// Reads `sensor_msgs/msg/JointState`; none where the bytes are not that, or hold a value that no robot
-/// has. A message without positions is fine, and empty.
+/// Reads `sensor_msgs/msg/JointState`; `None` where the bytes are malformed, or contain an impossible value. A
+/// message without positions is valid and empty.
 pub(super) fn joint_state(bytes: &[u8]) -> Option<JointState<'_>> {
     let mut from = Decoder::new(bytes).ok()?;
     let stamp = header(&mut from)?;
@@ -69,8 +69,8 @@ pub(super) fn joint_state(bytes: &[u8]) -> Option<JointState<'_>> {
     })
 }
 
-/// Reads `sensor_msgs/msg/Imu`; none where the bytes are not that, or the acceleration is not measured,
-/// which a first covariance of -1 says.
+/// Reads `sensor_msgs/msg/Imu`; `None` where the bytes are malformed, or the acceleration is not measured, as a
+/// first covariance of -1 tells.
 pub(super) fn imu(bytes: &[u8]) -> Option<Imu> {
     let mut from = Decoder::new(bytes).ok()?;
     let stamp = header(&mut from)?;
@@ -90,8 +90,8 @@ pub(super) fn imu(bytes: &[u8]) -> Option<Imu> {
     })
 }
 
-/// Reads the last point of `trajectory_msgs/msg/JointTrajectory`: names and positions, rad. None where the
-/// bytes are not that, or the point does not say where each of the joints is to be.
+/// Reads the last point of `trajectory_msgs/msg/JointTrajectory`: names and positions, rad. `None` where the
+/// bytes are malformed, or the point lacks the position of a joint.
 pub(super) fn targets(bytes: &[u8]) -> Option<Vec<(String, f64)>> {
     let mut from = Decoder::new(bytes).ok()?;
     header(&mut from)?;

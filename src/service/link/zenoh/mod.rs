@@ -1,7 +1,7 @@
 //! ROS 2 over Zenoh: joint states and accelerations in, positions of all joints out.
 //!
-//! Threads of Zenoh's take messages apart, and the tick takes their numbers from a ring. Setpoints go
-//! over a ring, too, to a thread that sends them: what Zenoh does may allocate and wait.
+//! Zenoh's threads decode messages, and the tick takes their values from a ring. Setpoints go over another ring
+//! to a sending thread, since Zenoh may allocate and block.
 
 mod bridge;
 mod messages;
@@ -29,9 +29,9 @@ use crate::service::contract::{LinkHealth, Measured, Quantity};
 use messages::{FLOAT64_MULTI_ARRAY, IMU, JOINT_STATE};
 use node::{Publisher, Subscription};
 
-/// Commands that may wait for the sending thread; more than that are of no use to a robot.
+/// Most commands that wait for the sending thread; older ones are of no use to a robot.
 const WAITING: usize = 16;
-/// How long the sending thread waits at a time, so that it sees that it shall end.
+/// Duration of one wait of the sending thread, so that it notices the end.
 const WAIT: Duration = Duration::from_millis(50);
 
 /// Positions of the joints, rad.
@@ -42,7 +42,7 @@ pub struct ZenohLink {
     ring: Consumer<Received>,
     counts: Arc<Counts>,
     _subscriptions: Vec<Subscription>,
-    /// Where each joint was last sent to; nothing goes out before all of them are commanded.
+    /// Last setpoint of each joint; nothing is sent before all of them are commanded.
     latest: [Option<f64>; MOST_JOINTS],
     joints: usize,
     is_due: bool,
@@ -52,7 +52,7 @@ pub struct ZenohLink {
     sender: Option<JoinHandle<()>>,
 }
 
-/// The orders to the sending thread, and its counts.
+/// State of the sending thread, and its counts.
 #[derive(Default)]
 struct Sending {
     ending: AtomicBool,
@@ -118,7 +118,7 @@ impl RobotLink for ZenohLink {
         }
     }
 
-    /// `std_msgs/Float64MultiArray` has no field for it.
+    /// `std_msgs/Float64MultiArray` has no time stamp.
     fn carries_time(&self) -> bool {
         false
     }
@@ -179,7 +179,7 @@ impl Sending {
                     false => count(&self.failures, 1),
                 }
             }
-            // After the ring is empty: the last setpoint is not lost.
+            // Checked after the ring is empty, so that the last setpoint is not lost.
             if self.ending.load(Relaxed) {
                 return;
             }
@@ -188,13 +188,13 @@ impl Sending {
     }
 }
 
-/// The reader of messages.
+/// The receiver of messages.
 struct Ears {
     names: Vec<String>,
     intake: Mutex<Intake>,
     clock: ServiceClock,
-    /// The service's zero on the robot's clock, where both tell the same time, ns since 1970. Stamps are
-    /// told from there: so small, they keep all their digits.
+    /// The service's time 0 on the robot's clock, if both clocks are the same, ns since 1970. Stamps are
+    /// relative to it, so that they keep all their digits.
     origin: i64,
 }
 
@@ -224,9 +224,9 @@ fn subscriptions(
 }
 
 impl Ears {
-    /// Takes a message that comes now, and counts it.
+    /// Processes a message that arrives now, and counts it.
     fn hear(&self, take: impl FnOnce(&mut Intake, f64)) {
-        // Where another of the threads has panicked, that was reported.
+        // If another thread has panicked, that was reported.
         let Ok(mut intake) = self.intake.lock() else {
             return;
         };
@@ -261,7 +261,7 @@ impl Ears {
         intake.take(joint, stamp, std::iter::once(measured), now);
     }
 
-    /// A stamp of a message, s; a sender that sets none leaves it 0.
+    /// The stamp of a message, s; 0 if the sender sets none.
     fn stamp(&self, stamp: i64) -> Option<f64> {
         (stamp != 0).then(|| stamp.saturating_sub(self.origin) as f64 * 1e-9)
     }

@@ -1,4 +1,4 @@
-//! A node of ROS 2 on a session of Zenoh, named and announced as `rmw_zenoh` does.
+//! A ROS 2 node on a Zenoh session, named and announced as by `rmw_zenoh`.
 //!
 //! Data of a topic have the key `<domain>/<topic>/<type>/<hash>`. Each message has an attachment: its
 //! number (i64), when it was sent (i64, ns since 1970), 16 as a byte, and the sender's 16 bytes. Node,
@@ -26,7 +26,7 @@ const NAME: &str = "quell";
 /// Reliable, volatile, the last 10 kept: the default of ROS 2.
 const QOS: &str = "::,10:,:,:,,";
 
-/// A node and its session, which ends with the last that holds it.
+/// A node and its session, which ends with the last holder.
 pub struct Node {
     session: Session,
     domain: u32,
@@ -43,17 +43,17 @@ pub(super) struct Publisher {
     sent: i64,
 }
 
-/// Hears the messages of a topic for as long as it is held.
+/// Receives the messages of a topic until it is dropped.
 pub(super) struct Subscription {
     _inner: zenoh::pubsub::Subscriber<()>,
     _token: LivelinessToken,
 }
 
 impl Node {
-    /// Opens a session. Endpoints that cannot be reached yet are tried again and again.
+    /// Opens a session. Unreachable endpoints are tried again and again.
     ///
     /// # Errors
-    /// Zenoh's error, of an endpoint that it does not understand or cannot listen at.
+    /// Zenoh's error, for an endpoint that is invalid or that it cannot listen on.
     pub fn open(config: &ZenohConfig) -> io::Result<Self> {
         let settings = settings(config)?;
         // Zenoh does not start on a thread that runs an asynchronous runtime of one thread.
@@ -71,7 +71,7 @@ impl Node {
         })
     }
 
-    /// A publisher of a topic. Where the network does not keep up, messages are dropped: the next is newer.
+    /// A publisher of a topic. If the network is too slow, messages are dropped, since the next one is newer.
     ///
     /// # Errors
     /// Zenoh's error.
@@ -96,7 +96,7 @@ impl Node {
         })
     }
 
-    /// Has `take` called with the body of each message of a topic, on a thread of Zenoh's.
+    /// Calls `take` with the body of each message of a topic, on a thread of Zenoh's.
     ///
     /// # Errors
     /// Zenoh's error.
@@ -139,7 +139,7 @@ impl Node {
 }
 
 impl Publisher {
-    /// Sends a message; whether Zenoh took it.
+    /// Sends a message; returns whether Zenoh accepted it.
     pub fn put(&mut self, body: &[u8]) -> bool {
         self.sent += 1;
         let now = SystemTime::now().duration_since(UNIX_EPOCH);

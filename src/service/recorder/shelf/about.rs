@@ -1,4 +1,4 @@
-//! The subject of a recording: the file beside its manifest, and its name.
+//! The description of a recording: the file beside its manifest, and its name.
 
 use std::fs;
 use std::io;
@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::service::contract::{ModeValue, MoveResult};
 
-/// The file that says what a recording is of, beside its manifest.
+/// The file with the description of a recording, beside its manifest.
 pub const ABOUT: &str = "about.json";
-/// The longest name, bytes: file systems take 255, and some letters are put before and behind it.
+/// The longest name, bytes: file systems take 255, and prefixes and suffixes are added.
 const LONGEST_NAME: usize = 128;
 
 /// The subject of a recording.
@@ -50,7 +50,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// The recording in a folder; none where there is no such thing, or it is on its way out.
+    /// The recording in a folder; `None` where there is none, or it is being removed.
     pub fn of(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_str().filter(|name| is_name(name))?;
         Some(Self {
@@ -60,8 +60,8 @@ impl Entry {
         })
     }
 
-    /// Whether it was made before another one. By their numbers; those of an earlier version have none
-    /// and come first, by the time that they tell, and then by name.
+    /// Whether it was made before another one, by their numbers. Recordings of an earlier version have none and
+    /// come first, by their times, then by name.
     pub fn order(&self, other: &Self) -> std::cmp::Ordering {
         let of = |entry: &Self| (entry.about.number, entry.about.unix_time_s);
         let ((a, at), (b, bt)) = (of(self), of(other));
@@ -81,13 +81,13 @@ pub fn bytes(folder: &Path) -> Option<u64> {
     )
 }
 
-/// The subject of the recording in a folder; nothing is known where the file cannot be understood.
+/// The description of the recording in a folder; empty where the file cannot be understood.
 pub fn read(folder: &Path) -> io::Result<About> {
     let text = fs::read(folder.join(ABOUT))?;
     Ok(serde_json::from_slice(&text).unwrap_or_default())
 }
 
-/// A name made of any text: what a name may not have becomes `_`.
+/// A valid name from any text: invalid characters become `_`.
 pub fn name_of(text: &str) -> String {
     let fit = |c: char| if is_letter(c) { c } else { '_' };
     let name: String = text.chars().map(fit).take(LONGEST_NAME - 16).collect();
@@ -97,7 +97,7 @@ pub fn name_of(text: &str) -> String {
     }
 }
 
-/// Whether a recording may have that name: letters, digits, `-`, `_`, and dots that do not lead.
+/// Whether a name is valid: letters, digits, `-`, `_`, and dots that are not first.
 pub fn is_name(name: &str) -> bool {
     (1..=LONGEST_NAME).contains(&name.len())
         && name.chars().all(is_letter)

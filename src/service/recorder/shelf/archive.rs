@@ -1,4 +1,4 @@
-//! A recording as one file: a tar archive of its folder, made while it is read.
+//! A recording as one file: a tar archive of its folder, created while it is read.
 
 use std::fs::{self, File, Metadata};
 use std::io::{self, Read, Write};
@@ -8,7 +8,7 @@ use tar::{Builder, Header};
 
 use super::{Shelf, ShelfError, disk};
 
-/// A recording that is to be handed over as a tar archive.
+/// A recording for download as a tar archive.
 pub struct Archive {
     name: String,
     /// Its files, in the order of their names.
@@ -57,7 +57,7 @@ impl Archive {
     /// Writes it.
     ///
     /// # Errors
-    /// Where a file has gone or become shorter meanwhile, or `out` refuses.
+    /// Where a file has disappeared or become shorter in the meantime, or `out` refuses.
     pub fn write(&self, out: impl Write) -> io::Result<()> {
         self.write_from(out, |path| File::open(path))
     }
@@ -84,7 +84,7 @@ impl Archive {
     }
 }
 
-/// Counts what is written.
+/// Counts written bytes.
 struct Count(u64);
 
 impl Write for Count {

@@ -7,15 +7,15 @@ use super::MCAP;
 use crate::recording::{Recording, RecordingError, Sink};
 use crate::service::disk::{Disk, beside};
 
-/// A folder to be filled. A file of the whole stands beside the one that has grown with the recording,
-/// so that this is there until all is on the disk.
+/// A folder to be filled. The complete file is written beside the one that has grown with the recording, which
+/// stays until everything is on the disk.
 pub struct Draft<'a> {
     pub(super) folder: &'a Path,
     pub(super) disk: &'a Disk,
 }
 
 impl Draft<'_> {
-    /// The file of the whole: where it is, for errors, and what writes it.
+    /// The complete file: its path, for errors, and its writer.
     ///
     /// # Errors
     /// [`RecordingError`] where the disk refuses.
@@ -29,7 +29,7 @@ impl Draft<'_> {
     /// Manifest and CSV files.
     ///
     /// # Errors
-    /// [`RecordingError`] where it would not be read back, or the disk refuses.
+    /// [`RecordingError`] where it could not be read back, or the disk refuses.
     pub fn recording(&self, recording: &Recording) -> Result<(), RecordingError> {
         let storage = self.disk.storage();
         recording.write_by(self.folder, true, |path| storage.create(path))

@@ -1,7 +1,7 @@
-//! The folder of recordings: what is in it, what goes in, what has to go.
+//! The folder of recordings: its content, new recordings, and removals.
 //!
-//! A recording is made in a hidden folder and takes its name when it is whole. A kill at any instant
-//! leaves the shelf as it was before or after, and the hidden folder for the next start.
+//! A recording is written in a hidden folder and gets its name when it is complete. A kill at any instant
+//! leaves the shelf in its old or its new state, and the hidden folder for the next start.
 
 mod about;
 mod archive;
@@ -27,20 +27,20 @@ use crate::recording::RecordingError;
 use crate::service::contract::DiskPart;
 use crate::service::disk::{Disk, beside};
 
-/// Beginning of what is not yet whole; no recording has such a name.
+/// Prefix of incomplete recordings; no recording has such a name.
 const UNFINISHED: &str = ".unfinished-";
-/// Beginning of what could not be read and was set aside.
+/// Prefix of unreadable ones that were set aside.
 const UNREADABLE: &str = ".unreadable-";
-/// Beginning of what is being removed.
+/// Prefix of those that are being removed.
 const LEAVING: &str = ".leaving-";
-/// A file as it was found, where something in the middle of it was damaged.
+/// The original of a file that was damaged in the middle.
 const DAMAGED: &str = "damaged.mcap";
-/// How the recorder calls moves; the number follows.
+/// Prefix of the recorder's names of moves; the number follows.
 const MOVE: &str = "move-";
-/// Bytes that are written to see whether there is room: as much as a recorded move takes.
+/// Bytes that are written as a test for room: the size of a recorded move.
 const PROBE: usize = 160_000;
 
-/// Why a recording is not to be had.
+/// Why a recording is not available.
 #[derive(Debug, Error)]
 pub enum ShelfError {
     /// No recording has that name.
@@ -55,7 +55,7 @@ pub enum ShelfError {
         /// The name asked for.
         name: String,
     },
-    /// The recording is not one.
+    /// It is no valid recording.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// The disk refuses.
@@ -69,7 +69,7 @@ pub enum ShelfError {
 }
 
 impl ShelfError {
-    /// Whether the disk refused, rather than that something is not there or no recording.
+    /// Whether the disk refused; otherwise something is missing or no valid recording.
     pub fn is_disk(&self) -> bool {
         match self {
             Self::Disk { .. } => true,
@@ -79,7 +79,7 @@ impl ShelfError {
     }
 }
 
-/// How the recording of a move is called.
+/// The name of a move's recording.
 pub fn name_of_move(id: u64) -> String {
     format!("{MOVE}{id:06}")
 }
@@ -90,25 +90,25 @@ pub struct Shelf {
     folder: PathBuf,
     bounds: Bounds,
     disk: Disk,
-    /// Number of the recording that begins next.
+    /// Number of the next recording.
     next: AtomicU64,
 }
 
 impl Shelf {
-    /// As [`Shelf::on`], on a disk of its own.
+    /// As [`Shelf::on`], with a disk of its own.
     ///
     /// # Errors
-    /// [`ShelfError::Disk`] where the folder cannot be made or read.
+    /// [`ShelfError::Disk`] where the folder cannot be created or read.
     pub fn open(folder: &Path, bounds: Bounds) -> Result<Self, ShelfError> {
         Self::on(folder, bounds, Disk::default())
     }
 
-    /// Takes a folder, which is made where needed. What an earlier life of the service did not finish
-    /// there is put onto the shelf as far as it came; what cannot be read is set aside. Where the disk
-    /// refuses that it is told, and tried again when there is room.
+    /// Opens a folder, which is created if needed. Recordings that an earlier process left unfinished are
+    /// stored on the shelf as far as they were written; unreadable ones are set aside. If the disk refuses,
+    /// that is reported, and tried again when there is room.
     ///
     /// # Errors
-    /// [`ShelfError::Disk`] where the folder cannot be made or read.
+    /// [`ShelfError::Disk`] where the folder cannot be created or read.
     pub fn on(folder: &Path, bounds: Bounds, disk: Disk) -> Result<Self, ShelfError> {
         fs::create_dir_all(folder).map_err(|source| self::disk(folder, source))?;
         let shelf = Self {
@@ -119,7 +119,7 @@ impl Shelf {
         };
         shelf.count()?;
         shelf.remove_leaving()?;
-        // What goes wrong here is known to the disk now, and no reason not to start.
+        // The disk keeps an error here; it does not prevent the start.
         let _ = shelf.told(shelf.salvage(&[]));
         if let Err(error) = shelf.tidy() {
             tracing::warn!(%error, "recordings take more than they may");
@@ -127,7 +127,7 @@ impl Shelf {
         Ok(shelf)
     }
 
-    /// Counts on from the highest number that is there.
+    /// Continues from the highest existing number.
     fn count(&self) -> Result<(), ShelfError> {
         let shelved = self.list()?.into_iter().map(|entry| entry.about.number);
         let hidden = [UNFINISHED, UNREADABLE].map(|beginning| self.hidden(beginning));
@@ -139,18 +139,17 @@ impl Shelf {
         Ok(())
     }
 
-    /// The number of a recording that begins now.
+    /// The number of a new recording.
     pub fn number(&self) -> u64 {
         self.next.fetch_add(1, Relaxed)
     }
 
-    /// The disk that it writes to.
+    /// Its disk.
     pub fn disk(&self) -> &Disk {
         &self.disk
     }
 
-    /// Has the disk remember how an attempt to write went. That something is no recording is not the
-    /// disk's matter.
+    /// Notes the result of a write in the disk. An invalid recording is no error of the disk.
     ///
     /// # Errors
     /// That of the attempt.
@@ -173,7 +172,7 @@ impl Shelf {
         Ok(list)
     }
 
-    /// The highest number of a move that is there, finished or not; 0 where there is none.
+    /// The highest number of an existing move, finished or not; 0 without any.
     ///
     /// # Errors
     /// [`ShelfError::Disk`] where the folder cannot be read.
@@ -194,12 +193,12 @@ impl Shelf {
 
     /// The folder of a recording.
     ///
-    /// A name is letters, digits, `-`, `_` and dots that do not lead, so that it cannot lead out of
-    /// the shelf, whatever a request asks for.
+    /// A name consists of letters, digits, `-`, `_` and dots that are not first, so that no request can leave
+    /// the shelf.
     ///
     /// # Errors
     /// [`ShelfError::Unknown`] where there is none of that name, [`ShelfError::Unfinished`] where it is
-    /// still being made.
+    /// incomplete.
     pub fn path(&self, name: &str) -> Result<PathBuf, ShelfError> {
         let path = self.folder.join(name);
         match is_name(name) {
@@ -220,8 +219,7 @@ impl Shelf {
         about::read(&path).map_err(|source| disk(&path, source))
     }
 
-    /// Makes the folder of a recording that is being made, or says anew what it is of;
-    /// [`Shelf::put`] finishes it.
+    /// Creates the folder of a running recording, or updates its description; [`Shelf::put`] completes it.
     ///
     /// # Errors
     /// [`ShelfError::Disk`] where the disk refuses.
@@ -238,7 +236,7 @@ impl Shelf {
         Ok(folder)
     }
 
-    /// A name that no recording has, finished or not: this one, or with a number behind it.
+    /// An unused name, also among unfinished recordings: this one, or with a number appended.
     pub fn free_name(&self, name: &str) -> String {
         let name = name_of(name);
         let numbered = (2..).map(|count: u32| format!("{name}-{count}"));
@@ -248,17 +246,17 @@ impl Shelf {
         names.find(free).unwrap_or_default()
     }
 
-    /// Where a recording is made, before it is on the shelf.
+    /// Folder of a recording before it is on the shelf.
     pub fn unfinished(&self, name: &str) -> PathBuf {
         self.folder.join(format!("{UNFINISHED}{name}"))
     }
 
-    /// Puts a recording onto the shelf, whole or not at all; says under which name. `write` fills its
-    /// folder. Where the name is taken, a number is added to it.
+    /// Stores a recording on the shelf, completely or not at all; returns its name. `write` fills its folder.
+    /// If the name is in use, a number is appended.
     ///
     /// # Errors
-    /// [`ShelfError`] where it is no recording, or the disk refuses. What had grown on the disk with
-    /// the recording is still there then, for [`Shelf::salvage`].
+    /// [`ShelfError`] where it is no valid recording, or the disk refuses. The file that has grown with the
+    /// recording is then still there for [`Shelf::salvage`].
     pub fn put(
         &self,
         name: &str,
@@ -283,7 +281,7 @@ impl Shelf {
         result
     }
 
-    /// Gives a folder that is filled its name, once everything in it is on the medium.
+    /// Renames a complete folder, once all its content is durable.
     fn shelve(&self, name: &str, folder: &Path) -> Result<String, ShelfError> {
         let storage = self.disk.storage();
         let path = self.free(name);
@@ -302,7 +300,7 @@ impl Shelf {
         })();
         renamed.map_err(|source| disk(folder, source))?;
         if let Err(error) = storage.sync(&self.folder) {
-            // It is on the shelf; a power failure may still put it back among the unfinished.
+            // It is on the shelf; after a power failure it may still be among the unfinished ones.
             tracing::warn!(%error, "{}", self.folder.display());
         }
         Ok(path
@@ -312,7 +310,7 @@ impl Shelf {
             .into())
     }
 
-    /// Takes away what was written in vain. Where nothing had grown, nothing is left.
+    /// Removes files that were written in vain. If nothing had grown, nothing is left.
     fn keep_what_has_grown(&self, folder: &Path) {
         let storage = self.disk.storage();
         let has_grown = folder.join(MCAP).is_file();
@@ -330,19 +328,19 @@ impl Shelf {
         }
     }
 
-    /// A folder of this name, or with a number behind it, that is not there yet.
+    /// An unused folder of this name, or with a number appended.
     fn free(&self, name: &str) -> PathBuf {
         let numbered = (2..).map(|count: u32| self.folder.join(format!("{name}-{count}")));
         let mut paths = [self.folder.join(name)].into_iter().chain(numbered);
         paths.find(|path| !path.exists()).unwrap_or_default()
     }
 
-    /// Looks whether there is room again, by writing as much as a recorded move takes.
+    /// Tests for room, by writing as much as a recorded move takes.
     ///
     /// # Errors
     /// [`ShelfError::Disk`] where there is none.
     pub fn probe(&self) -> Result<(), ShelfError> {
-        // A kill in its midst leaves what goes at the next start.
+        // After a kill the next start removes it.
         let path = self.folder.join(format!("{LEAVING}probe"));
         let storage = self.disk.storage();
         let written = storage.create(&path).and_then(|mut file| {
@@ -350,7 +348,7 @@ impl Shelf {
             file.flush()?;
             storage.sync(&path)
         });
-        // Where it was not made there is nothing to remove.
+        // If it was not created, there is nothing to remove.
         let removed = storage.remove(&path);
         written.and(removed).map_err(|source| disk(&path, source))
     }

@@ -1,4 +1,4 @@
-//! Recordings left unfinished, by a kill or by a full disk: put onto the shelf as far as it came.
+//! Recordings left unfinished by a kill or by a full disk: stored on the shelf as far as they were written.
 
 use std::fs;
 use std::io;
@@ -13,19 +13,19 @@ use crate::service::disk::beside;
 enum Left {
     /// Nothing was measured yet.
     Nothing,
-    /// A recording, its file made whole.
+    /// A recording, with its file repaired.
     Recording(Box<Recording>, Mended),
     /// Something that cannot be read.
     Unreadable(RecordingError),
 }
 
 impl Shelf {
-    /// Puts onto the shelf what was left unfinished, but for names that are being made now. Its MCAP
-    /// file is mended, so that others read it, too. What cannot be read is set aside, not removed.
-    /// Says what is on the shelf now.
+    /// Stores unfinished recordings on the shelf, except running ones. Their MCAP files are repaired, so that
+    /// other programs can read them, too. Unreadable ones are set aside, not removed. Returns the new entries
+    /// of the shelf.
     ///
     /// # Errors
-    /// [`ShelfError`] where the disk refuses; what is left stays as it is, for another attempt.
+    /// [`ShelfError`] where the disk refuses; the rest stays as it is, for another attempt.
     pub fn salvage(&self, but: &[String]) -> Result<Vec<(String, About)>, ShelfError> {
         let mut salvaged = Vec::new();
         for folder in self.hidden(UNFINISHED)? {
@@ -65,7 +65,7 @@ impl Shelf {
         let original = folder.join(MCAP);
         let kept = self.put(name, &about, |draft: &Draft| {
             if mended.damage.is_some() {
-                // Behind the damage there may be more than this version can read.
+                // Behind the damage there may be more data than this version can read.
                 draft.copy(&original, DAMAGED)?;
             }
             draft.bytes(MCAP, &mended.bytes)?;
@@ -89,7 +89,7 @@ impl Shelf {
     }
 }
 
-/// Looks what there is in a folder.
+/// Reads the content of a folder.
 fn left(folder: &Path) -> io::Result<Left> {
     let Some(file) = journal(folder) else {
         return Ok(Left::Nothing);
@@ -108,7 +108,8 @@ fn left(folder: &Path) -> io::Result<Left> {
     })
 }
 
-/// The file that has grown with the recording. Where the service was killed while it began, it has not
+/// The file that has grown with the recording. If the service was killed at its start, it does not have its
+/// name yet.
 /// its name yet.
 fn journal(folder: &Path) -> Option<PathBuf> {
     let file = folder.join(MCAP);

@@ -1,4 +1,4 @@
-//! The clearing of the shelf when there is too much: the oldest go, by their numbers, never the last ones.
+//! Removal of recordings when there are too many: the oldest by number first, never the last ones.
 
 use std::fs;
 use std::path::PathBuf;
@@ -6,32 +6,32 @@ use std::path::PathBuf;
 use super::about::{self, Entry};
 use super::{LEAVING, Shelf, ShelfError, UNREADABLE, disk};
 
-/// The room that recordings may take.
+/// Limits of the shelf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
     /// Most bytes of all together.
     pub bytes: u64,
     /// Most recordings.
     pub count: usize,
-    /// So many of the last ones stay in any case; the newest always does.
+    /// Number of the last ones that always stay; at least the newest.
     pub last: usize,
 }
 
-/// Something that may go.
+/// A candidate for removal.
 struct Old {
     path: PathBuf,
     bytes: u64,
-    /// The name of a recording; none for what was set aside.
+    /// The name of a recording; `None` for one that was set aside.
     name: Option<String>,
 }
 
 impl Shelf {
-    /// Removes the oldest until the rest is not too much, and says what went. First goes what was set
-    /// aside as unreadable.
+    /// Removes the oldest recordings until the limits hold, and returns their names. Those that were set aside
+    /// as unreadable go first.
     ///
     /// # Errors
-    /// [`ShelfError::Disk`] where the folder cannot be read or something not be removed; what else is
-    /// to go is gone then.
+    /// [`ShelfError::Disk`] where the folder cannot be read or a recording cannot be removed; the others have
+    /// been removed then.
     pub fn tidy(&self) -> Result<Vec<String>, ShelfError> {
         let list = self.list()?;
         let aside = self.hidden(UNREADABLE)?;
@@ -73,7 +73,7 @@ impl Shelf {
         failed.map_or(Ok(gone), Err)
     }
 
-    /// Removes a folder: it loses its name first, so that a kill leaves no half of a recording.
+    /// Removes a folder. It is renamed first, so that a kill leaves no partial recording.
     pub(super) fn remove(&self, path: &std::path::Path) -> Result<(), ShelfError> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let leaving = self.folder.join(format!("{LEAVING}{name}"));
@@ -84,7 +84,7 @@ impl Shelf {
             .map_err(|source| disk(path, source))
     }
 
-    /// Removes what was leaving when the service was killed.
+    /// Removes folders whose removal was interrupted by a kill.
     pub(super) fn remove_leaving(&self) -> Result<(), ShelfError> {
         for path in self.hidden(LEAVING)? {
             if let Err(error) = self.disk.storage().remove(&path) {
@@ -94,7 +94,7 @@ impl Shelf {
         Ok(())
     }
 
-    /// Folders whose name begins so, in the order of their numbers.
+    /// Folders with this prefix, in the order of their numbers.
     pub(super) fn hidden(&self, beginning: &str) -> Result<Vec<PathBuf>, ShelfError> {
         let entries = fs::read_dir(&self.folder).map_err(|source| disk(&self.folder, source))?;
         let begins = |path: &PathBuf| {

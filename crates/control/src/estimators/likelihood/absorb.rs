@@ -1,4 +1,4 @@
-//! The way of a linearisation along the samples, stretch by stretch.
+//! Advances a linearisation along the samples, stretch by stretch.
 
 use super::fit::fold;
 use super::moments::Moments;
@@ -9,12 +9,12 @@ use super::window::Window;
 use crate::estimators::Sample;
 use crate::estimators::modal_response::INPUT;
 
-/// When a stretch ends, and what its elimination needs.
+/// The end of a stretch, and the quantities for its elimination.
 #[derive(Clone, Copy, Debug)]
 pub struct Folding {
     /// Length of a stretch, s.
     pub memory: f64,
-    /// Priors at the time.
+    /// The present priors.
     pub priors: Priors,
     /// The noise's variance.
     pub variance: f64,
@@ -28,7 +28,7 @@ impl Track {
         }
     }
 
-    /// Moves to the next sample of the window: its row is then the last one, but not yet in the sums.
+    /// Moves to the next sample of the window: its row becomes the last one, but is not yet in the sums.
     pub fn approach<'a>(&mut self, window: &'a Window, folding: &Folding) -> Option<&'a Sample> {
         let (sample, step) = self.walk.next(window, folding.memory)?;
         match step {
@@ -38,12 +38,12 @@ impl Track {
         }
         let input = self.walk.input(sample);
         self.row = self.response.row(input, sample.deformation);
-        // The gain is on the input since the first sample, whatever the stretch.
+        // The gain applies to the input since the first sample, in every stretch.
         self.row[INPUT] = self.walk.total_input(sample);
         Some(sample)
     }
 
-    /// Ends a stretch: what it says is kept, the vibration from here on is free.
+    /// Ends a stretch: its information is kept, and the vibration is free again from here on.
     fn set_free(&mut self, folding: &Folding) {
         if let Some(past) = fold(self, &folding.priors, folding.variance) {
             self.past = past;

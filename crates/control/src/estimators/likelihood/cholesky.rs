@@ -1,10 +1,10 @@
 //! A small Cholesky factor that grows row by row.
 
-/// The pivot that rounding of the sums may leave of an exactly dependent pair of columns.
+/// Relative pivot that rounding of the sums may leave for linearly dependent columns.
 const RIDGE: f64 = 1e-13;
 
-/// `A + 1e-13 diag(A) = L D L^T`, the diagonal of `L` 1: no square roots, and no scale of the unknowns, of
-/// which it depends by rounding only.
+/// `A + 1e-13 diag(A) = L D L^T` with 1 on the diagonal of `L`. It needs no square roots and, but for rounding,
+/// does not depend on the scale of the unknowns.
 ///
 /// Source: G. Golub, C. Van Loan, Matrix Computations, 4th ed., ch. 4.1.
 #[derive(Clone, Copy, Debug)]
@@ -27,10 +27,10 @@ impl<const N: usize> Default for Cholesky<N> {
     }
 }
 
-// Sizes are known to the compiler: loops of so few steps cost more than what is in them.
+// Sizes are constants for the compiler, since loops this short would cost more than their content.
 impl<const N: usize> Cholesky<N> {
-    /// Adds row `n` of the matrix, of which the numbers up to the diagonal count; `None` where the matrix is not
-    /// positive definite.
+    /// Adds row `n` of the matrix, of which only the numbers up to the diagonal are used; `None` where the
+    /// matrix is not positive definite.
     #[inline(always)]
     pub fn append(&mut self, n: usize, row: &[f64; N]) -> Option<()> {
         if !(row[n].is_finite() && row[n] > 0.0) {
@@ -66,7 +66,7 @@ impl<const N: usize> Cholesky<N> {
         result
     }
 
-    /// Number `n` of `L^-1 rhs`, those before it known.
+    /// Component `n` of `L^-1 rhs`, from those before it.
     #[inline(always)]
     pub fn next_forward(&self, known: &[f64; N], n: usize, rhs: f64) -> f64 {
         without(rhs, &self.lower[n][..n], known)
@@ -86,13 +86,13 @@ impl<const N: usize> Cholesky<N> {
         result
     }
 
-    /// `y^2 / d` of number `n` of a forward solution: what it explains of the sum of squares.
+    /// `y^2 / d` of component `n` of a forward solution: the part of the sum of squares that it explains.
     #[inline(always)]
     pub fn explained(&self, forward: &[f64; N], n: usize) -> f64 {
         forward[n] * forward[n] * self.pivot[n]
     }
 
-    /// Element `(n, n)` of the inverse of `A`; the later it stands, the less work.
+    /// Element `(n, n)` of the inverse of `A`; later elements cost less.
     #[inline(always)]
     pub fn inverse(&self, n: usize) -> f64 {
         let column = self.column(n);

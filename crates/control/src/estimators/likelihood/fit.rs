@@ -7,15 +7,15 @@ use super::track::{Past, Track};
 use crate::estimators::modal_response::{FREE, FREE_SLOPE, LINK, RATE, RESIDUAL, WIDTH};
 use nalgebra::SMatrix;
 
-/// Column of the first of the linear unknowns: free decay (two), offset, rate, scale, gain. They come first,
-/// so that the factor of their normal equations is the beginning of that of all eight.
+/// Column of the first of the linear unknowns: free decay (two), offset, rate, scale, gain. They come first, so
+/// that the factor of their normal equations is the leading part of that of all eight.
 const LINEAR: usize = FREE;
 const SCALE: usize = 4;
 const RATE_GAIN: usize = 3;
 const GAIN: usize = 5;
-/// Where `ln w` and `xi` come among the eight.
+/// Position of `ln w` and `xi` among the eight.
 const MODE: usize = 6;
-/// Where the eight stand in [`Past`]; the free decay is in none.
+/// Positions of the eight in [`Past`], which does not contain the free decay.
 const PLACE: [Option<usize>; 8] = [
     None,
     None,
@@ -27,10 +27,10 @@ const PLACE: [Option<usize>; 8] = [
     Some(1),
 ];
 
-/// The fit by the moments at and near their linearisation.
+/// The fit from the moments near their linearisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Fit {
-    /// Sum of squares at the linearisation point itself, linear unknowns at their best.
+    /// Sum of squares at the linearisation point, with the best linear unknowns.
     pub cost: f64,
     /// The same at the end of the step, as the linearisation predicts it.
     pub cost_after: f64,
@@ -42,15 +42,15 @@ pub struct Fit {
     pub gain: (f64, f64),
     /// Weights of a row's columns that give the residual after the step.
     pub residual: [f64; WIDTH],
-    /// Unknowns that the samples determine rather than the priors, from above: each counts by the
-    /// samples' share in what is known of it beside all others.
+    /// Upper bound of the number of unknowns that the samples determine rather than the priors. Each counts by
+    /// the samples' share of its information, given all others.
     pub unknowns: f64,
     slopes: [Slope; 2],
     factor: Cholesky<8>,
 }
 
 impl Fit {
-    /// Variance of what is predicted for a row, for a noise of unit variance.
+    /// Variance of the prediction for a row, for a noise of unit variance.
     pub fn doubt(&self, row: &[f64; WIDTH]) -> f64 {
         let mut derivatives = [0.0; 8];
         derivatives[..MODE].copy_from_slice(&row[LINEAR..RESIDUAL]);
@@ -94,7 +94,7 @@ fn slopes(track: &Track, linear: &[f64; 8]) -> [Slope; 2] {
     })
 }
 
-/// The linear unknowns at their best for a track's mode.
+/// The best linear unknowns for a track's mode.
 struct Profile {
     factor: Cholesky<8>,
     /// The factor's inverse times the right-hand side.
@@ -102,8 +102,8 @@ struct Profile {
     cost: f64,
 }
 
-/// Adds to a row of the normal equations, and to its right-hand side, what past stretches say; the residual
-/// is the seventh of [`Past`].
+/// Adds the information of past stretches to a row of the normal equations and to its right-hand side. The
+/// residual is the seventh column of [`Past`].
 #[inline]
 fn add_past(track: &Track, i: usize, row: &mut [f64; 8], rhs: &mut f64) {
     let (true, Some(p)) = (track.has_past, PLACE[i]) else {
@@ -194,7 +194,7 @@ fn product_of(moments: &Moments, slopes: &[Slope; 2], [k, l]: [usize; 2]) -> f64
     sum
 }
 
-/// Sum of squares at a track's mode, the linear unknowns at their best.
+/// Sum of squares at a track's mode, with the best linear unknowns.
 pub fn profile(track: &Track, priors: &Priors, variance: f64) -> Option<f64> {
     solve_linear(track, priors, variance).map(|profile| profile.cost)
 }
@@ -243,7 +243,7 @@ fn residual(solution: &[f64; 8], slopes: &[Slope; 2]) -> [f64; WIDTH] {
     residual
 }
 
-/// How many unknowns the samples determine.
+/// Number of unknowns that the samples determine.
 #[inline(always)]
 fn determined(factor: &Cholesky<8>, priors: &Priors, variance: f64) -> f64 {
     let share = |i: usize| {
@@ -268,7 +268,7 @@ pub fn fit(track: &Track, priors: &Priors, variance: f64) -> Option<Fit> {
     let solution = factor.backward::<8>(&forward);
     Some(Fit {
         cost,
-        // What the step gains beyond the best linear unknowns.
+        // The further gain of the step, beyond the best linear unknowns.
         cost_after: cost - factor.explained(&forward, MODE) - factor.explained(&forward, MODE + 1),
         step: [solution[MODE], solution[MODE + 1]],
         variances: [factor.inverse(MODE), factor.inverse(MODE + 1)],

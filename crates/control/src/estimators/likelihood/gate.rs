@@ -1,4 +1,4 @@
-//! Samples that are no measurement of the vibration.
+//! Rejection of spikes: samples that are no measurement of the vibration.
 
 use super::Likelihood;
 use crate::estimators::modal_response::{RESIDUAL, WIDTH};
@@ -6,27 +6,27 @@ use crate::estimators::modal_response::{RESIDUAL, WIDTH};
 /// Evidence above which a sample is a spike: noise is five standard deviations away once in two million
 /// samples.
 const SPIKE: f64 = 25.0;
-/// Spikes in a row: where one sample in a hundred is one, a third comes once in a million. What goes on
-/// for longer is a change of the joint, and is believed.
+/// Longest run of spikes. If one sample in a hundred is a spike, a third in a row comes once in a million. A
+/// longer run is a change of the joint, and is accepted.
 const LONGEST: u32 = 2;
 
 impl Likelihood {
-    /// Whether a row is refused as a spike, which counts those in a row: it lies where neither the noise nor
-    /// the doubt about the mode can have put it.
+    /// Whether a row is rejected as a spike, which also counts runs: neither the noise nor the uncertainty of
+    /// the mode explains its distance.
     fn refuses(&mut self, row: &[f64; WIDTH]) -> bool {
         let Some(fit) = self.fit.as_ref().filter(|_| self.knows_noise()) else {
             return false;
         };
         let innovation: f64 = fit.residual.iter().zip(row).map(|(w, x)| w * x).sum();
         let square = innovation * innovation;
-        // The doubt only widens: most samples need no more than this.
+        // The uncertainty of the mode only widens the limit: most samples pass this test already.
         let outside = self.is_evident(square, SPIKE)
             && self.is_evident(square / (1.0 + fit.doubt(row)), SPIKE);
         self.outside = if outside { self.outside + 1 } else { 0 };
         outside && self.outside <= LONGEST
     }
 
-    /// Takes the youngest sample into the active track; of a spike only the input is kept.
+    /// Adds the youngest sample to the active track; of a spike only the input is used.
     pub(super) fn take_youngest(&mut self) {
         let folding = self.folding();
         let Some(&sample) = self.active.approach(&self.window, &folding) else {
@@ -38,7 +38,7 @@ impl Likelihood {
             self.largest = self.largest.max(sample.deformation.abs());
         } else {
             self.window.refuse_youngest();
-            // Nor does it say anything of the noise's colour.
+            // It does not count for the noise's colour either.
             self.active.row[RESIDUAL] = f64::NAN;
         }
     }

@@ -5,19 +5,18 @@
 //! delta = (1 + g) (q - u) + c q' + a Re e^(lambda t) + b Im e^(lambda t) + o + K u + noise
 //! q''   = w^2 (u - q) - 2 xi w q'
 //! ```
-//! with `lambda = -xi w + j w_d`. `c q'` is a clock's offset and, `c = 2 xi / w`, the damper across
-//! the joint (`c = 0`: damper to ground); `a`, `b` are what vibrates before the window; `o` is the
-//! sensor's offset; `g` its scale; `K` a static gain. All six enter linearly. No derivative of `u`
-//! is needed.
+//! with `lambda = -xi w + j w_d`. `c q'` is a clock's offset and, `c = 2 xi / w`, the damper across the joint
+//! (`c = 0`: damper to ground); `a`, `b` are the vibration at the start of the window; `o` is the sensor's
+//! offset; `g` its scale; `K` a static gain. All six enter linearly. No derivative of `u` is needed.
 //!
-//! Along a *track*, a linearisation at one `(w, xi)`, the sensitivities are states of a filter, and
-//! the sums of products of all columns say what a batch fit would: a Gauss-Newton step costs
-//! O(1) a sample. When the step leaves the linear range a new track is started at its end and
-//! replays the stored window, a bounded number of samples a tick. A coarse grid of tracks runs
-//! beside the active one until no other start can explain the data.
+//! A *track* is a linearisation at one `(w, xi)`. Along it the sensitivities are states of a filter, and the
+//! sums of products of all columns contain all that a batch fit needs: a Gauss-Newton step costs O(1) a sample.
+//! When the step leaves the linear range, a new track is started at its end and replays the stored window, a
+//! bounded number of samples a tick. A coarse grid of tracks runs beside the active one until no other start
+//! can explain the data.
 //!
-//! A sample that lies where neither noise nor doubt can have put it is a spike: of it only the input is
-//! kept. Three in a row are believed.
+//! A sample that neither noise nor the uncertainty of the mode explains is a spike: only its input is used.
+//! Three in a row are accepted.
 //!
 //! Source: output-error method, L. Ljung, System Identification, 2nd ed., ch. 7 and 10;
 //! variable projection of the linear unknowns, G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973).
@@ -57,9 +56,9 @@ const GRID_RATIO: f64 = 1.25;
 pub(super) const CONVERGENCE_PERIODS: f64 = 0.25;
 /// Unknowns: `w`, `xi`, and six linear ones.
 const UNKNOWNS: f64 = 8.0;
-/// A standard deviation of `ln w` above which there is no estimate to speak of.
+/// Standard deviation of `ln w` above which no estimate is given.
 pub(super) const USABLE: f64 = 0.2;
-/// Difference of `-2 ln` likelihood that rules another start out (odds of 3e6).
+/// Difference of `-2 ln` likelihood that excludes another start (odds of 3e6).
 pub(super) const RULED_OUT: f64 = 30.0;
 
 /// The likelihood estimator.
@@ -83,7 +82,7 @@ pub struct Likelihood {
     locked: bool,
     largest: f64,
     noise: Noise,
-    /// Samples in a row that were taken for spikes, or would have been.
+    /// Number of samples in a row that were spikes, or would have been.
     outside: u32,
     correlation: Correlation,
     convergence: Convergence,
@@ -92,7 +91,7 @@ pub struct Likelihood {
 }
 
 impl Likelihood {
-    /// Takes all memory it will ever need: a window of samples and a grid of starts.
+    /// An estimator; allocates all its memory: a window of samples and a grid of starts.
     pub fn new(settings: &Settings) -> Self {
         let (low, high) = settings.frequency_range;
         let intervals = ((high / low).ln() / GRID_RATIO.ln())
@@ -133,7 +132,7 @@ impl Likelihood {
         }
     }
 
-    /// Priors of the moment: what vibrates is of the size of the deformations seen.
+    /// Present priors: the vibration before the window is of the size of the deformations seen.
     fn priors(&self) -> Priors {
         self.priors_for(self.noise.variance)
     }
@@ -152,7 +151,7 @@ impl Likelihood {
         priors
     }
 
-    /// The samples that count, spikes marked by a deformation that is no number.
+    /// The samples in use; spikes have a deformation of NaN.
     pub(super) fn window(&self) -> &Window {
         &self.window
     }
@@ -164,7 +163,7 @@ impl Likelihood {
         ends.map_or(0.0, |(first, last)| last.time - first.time)
     }
 
-    /// Where it is linearised.
+    /// The mode at the linearisation.
     pub(super) fn mode(&self) -> Mode {
         self.active.mode
     }
@@ -179,8 +178,8 @@ impl Likelihood {
         self.largest
     }
 
-    /// Sum of squares that one mode leaves, at the end of the present step. `None` until a window that was cut has
-    /// been run along again: until then the sums are of samples that are no longer in it, too.
+    /// Sum of squares with one mode, at the end of the present step. `None` after a cut of the window until it
+    /// has been replayed: the sums still contain samples that are no longer in it.
     pub(super) fn least_cost(&self) -> Option<f64> {
         let fit = self.fit.as_ref().filter(|_| !self.must_replace);
         fit.map(|fit| fit.cost_after)
@@ -202,7 +201,7 @@ impl Likelihood {
         self.noise = Noise::pooled(self.settings.noise_std, square, spare, self.largest);
     }
 
-    /// Whether there are enough samples to know the noise's level, beside the mode.
+    /// Whether there are enough samples to estimate the noise's level beside the mode.
     fn knows_noise(&self) -> bool {
         let unknowns = self.fit.as_ref().map_or(UNKNOWNS, |fit| fit.unknowns);
         self.noise.freedom > 0.0 && self.active.taken() >= unknowns + SPARE
@@ -225,16 +224,17 @@ impl Likelihood {
         [fit.variances[0], fit.variances[1], fit.gain.1].map(|unit| (unit * variance).sqrt())
     }
 
-    /// Writes the estimate that goes with the present fit.
+    /// Sets the estimate from the present fit.
     fn conclude(&mut self, time: f64) {
-        // A step that failed is tried again once there are more data.
+        // A failed step is tried again once there are more data.
         self.shrink = (1.1 * self.shrink).clamp(1e-3, 1.0);
         let Some(fit) = &self.fit else { return };
         if !self.knows_noise() {
             return;
         }
         let [log_std, damping_std, gain_std] = self.spread(fit);
-        // What an offset and a gain explain as well is no vibration: noise always has a best mode.
+        // A deformation that an offset and a gain explain as well is no vibration: a fit to noise has a best
+        // mode, too.
         let explained = self.active.without_vibration() - fit.cost_after;
         let heard = self.is_evident(explained, RULED_OUT + UNKNOWNS);
         let usable = log_std < USABLE && fit.step[0].abs() < TRUST[0];
@@ -254,8 +254,8 @@ impl Likelihood {
         }
         let (w, xi) = (mode.natural_frequency(), mode.damping_ratio());
         self.convergence.push(time, w, xi);
-        // What the noise leaves is in the standard deviations, what the model leaves in the spread;
-        // where the residual turns out coloured the word is taken back.
+        // The standard deviations account for the noise, the spread for errors of the model. Convergence is
+        // withdrawn if the residual turns out to be coloured.
         let within = |limit: f64| log_std < limit && damping_std < limit;
         self.converged = match self.converged {
             true => within(2.0 * SETTLED),

@@ -2,14 +2,15 @@
 
 use crate::estimators::modal_response::WIDTH;
 
-/// Sums of products of the columns of every row; of a symmetric matrix, blocks of two from the diagonal on.
+/// Sums of products of the columns of every row; a symmetric matrix, stored in blocks of two from the diagonal
+/// on.
 #[derive(Clone, Copy, Debug)]
 pub struct Moments {
     sums: [[f64; WIDTH]; WIDTH],
 }
 
 impl Moments {
-    /// Of no row.
+    /// The sums of no rows.
     pub const ZERO: Self = Self {
         sums: [[0.0; WIDTH]; WIDTH],
     };
@@ -25,7 +26,7 @@ impl Moments {
         self.add_from::<12>(row);
     }
 
-    /// Two lines of the matrix, of a length that the compiler knows.
+    /// Two lines of the matrix, with a length that is constant for the compiler.
     #[inline(always)]
     fn add_from<const FIRST: usize>(&mut self, row: &[f64; WIDTH]) {
         for i in FIRST..FIRST + 2 {
@@ -41,7 +42,7 @@ impl Moments {
         self.sums[i.min(j)][i.max(j)]
     }
 
-    /// Sums of the products of column `i` with those from the diagonal on; what stands before is no sum.
+    /// Sums of the products of column `i` with those from the diagonal on; the entries before are not valid.
     #[inline]
     pub fn line(&self, i: usize) -> &[f64; WIDTH] {
         &self.sums[i]

@@ -12,8 +12,8 @@ pub struct Priors {
 }
 
 impl Priors {
-    /// Means and inverse variances: a belief says little (the whole range of frequencies, a fifth in damping), the
-    /// sensors' imperfections what the settings say. What changes with the samples is left at 0.
+    /// Means and inverse variances. A belief is weak (the whole range of frequencies, a fifth in damping);
+    /// sensor errors are those of the settings. Values that change with the samples are left at 0.
     pub fn believed(settings: &Settings) -> Self {
         let (low, high) = settings.frequency_range;
         let (mean, damping) = match settings.belief {
@@ -36,7 +36,7 @@ impl Priors {
     }
 }
 
-/// `1 / std^2`, a large number where nothing is left to know.
+/// `1 / std^2`; a large number for a standard deviation of 0.
 pub fn inverse_square(std: f64) -> f64 {
     if std > 0.0 { (std * std).recip() } else { 1e30 }
 }

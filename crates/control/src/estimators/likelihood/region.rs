@@ -1,9 +1,9 @@
-//! Where a linearisation may go, and how far at once.
+//! The allowed range of a linearisation, and its largest step.
 
 use quell_shapers::Mode;
 
-/// Largest step of `ln w` and of `xi` before the track is moved: a tenth of the ratio between two
-/// grid points less would never reach from one to the next, more would leave its linear range.
+/// Largest step of `ln w` and of `xi` before the track is moved. A smaller one would not reach from one grid
+/// point to the next; a larger one would leave the linear range.
 pub const TRUST: [f64; 2] = [0.15, 0.08];
 /// Damping ratios a linearisation may take.
 pub const DAMPING_RANGE: (f64, f64) = (1e-4, 0.7);
@@ -21,7 +21,7 @@ pub fn trusted(point: [f64; 2], step: [f64; 2], shrink: f64) -> [f64; 2] {
     [0, 1].map(|k| point[k] + shrink * step[k] / excess)
 }
 
-/// The modes that are looked for.
+/// The range of modes in which the estimator searches.
 #[derive(Clone, Copy, Debug)]
 pub struct Region {
     /// Natural frequencies, rad/s.

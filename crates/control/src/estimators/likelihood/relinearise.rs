@@ -1,4 +1,4 @@
-//! New linearisations: when one is needed, its replay of the window, and whether it is better.
+//! New linearisations: the decision for one, its replay of the window, and its acceptance.
 
 use quell_shapers::Mode;
 
@@ -16,7 +16,7 @@ impl Likelihood {
         self.window.drop_oldest(half);
         self.start_candidate(self.active.mode);
         self.must_replace = true;
-        // The active track goes on with its old sums; only its place in the window has moved.
+        // The active track keeps its old sums; only its place in the window has moved.
         self.active.walk.count -= half;
         self.locked = true;
     }
@@ -25,7 +25,7 @@ impl Likelihood {
         self.candidate = Some(Track::new(mode, self.settings.sample_time));
     }
 
-    /// Iterates: new linearisations while the step matters and the tick's budget lasts.
+    /// Iterates: new linearisations as long as the step matters and the tick's budget lasts.
     pub(super) fn relinearise(&mut self) {
         let mut budget = REPLAY_BUDGET;
         while budget > 0 {
@@ -48,12 +48,12 @@ impl Likelihood {
         }
     }
 
-    /// Starts a candidate at the end of the step, if it matters: what a step `d` of `lambda / w` misses is
-    /// `d^2 / 2` times the phase that the vibration runs through before it has died, and more than a tenth
-    /// of a standard deviation of that is too much.
+    /// Starts a candidate at the end of the step, if the step matters. A step `d` of `lambda / w` causes an
+    /// error of `d^2 / 2` times the phase of the vibration until it has decayed. More than a tenth of a
+    /// standard deviation of that is too much.
     fn propose(&mut self) -> bool {
         let Some(fit) = &self.fit else { return false };
-        // At the end of the range the step may lead nowhere.
+        // At the edge of the range the step may lead to no mode.
         let from = self.active.point;
         let to = self.region.nearest(trusted(from, fit.step, 1.0));
         let [x, y] = [0, 1].map(|k| to[k] - from[k]);
@@ -72,7 +72,7 @@ impl Likelihood {
         true
     }
 
-    /// Phase that the vibration runs through, rad: over the window, or a time constant of its envelope.
+    /// Phase of the vibration, rad: over the window, or over a time constant of its envelope.
     fn phase(&self) -> f64 {
         let mode = self.active.mode;
         (mode.natural_frequency() * self.elapsed())
@@ -80,7 +80,7 @@ impl Likelihood {
             .max(1.0)
     }
 
-    /// Takes the candidate that has caught up where it explains the data better.
+    /// Accepts a candidate that has caught up, if it explains the data better.
     fn judge(&mut self) {
         let Some(candidate) = self.candidate.take() else {
             return;

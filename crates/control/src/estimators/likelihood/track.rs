@@ -16,7 +16,7 @@ pub type Past = SMatrix<f64, 7, 7>;
 /// One linearisation of the likelihood, run along the samples from the first one on.
 #[derive(Clone, Copy, Debug)]
 pub struct Track {
-    /// Where it is linearised.
+    /// The mode at the linearisation.
     pub mode: Mode,
     /// `ln w` and `xi` there.
     pub point: [f64; 2],
@@ -24,9 +24,9 @@ pub struct Track {
     pub response: ModalResponse,
     /// Sums over the rows of the present stretch.
     pub moments: Moments,
-    /// The evidence of past stretches, when the vibration was set free again after them.
+    /// The information of past stretches, after each of which the vibration was set free again.
     pub past: Past,
-    /// Whether there is any.
+    /// Whether there are past stretches.
     pub has_past: bool,
     /// The last row.
     pub row: [f64; WIDTH],
@@ -35,8 +35,8 @@ pub struct Track {
     still: Still,
 }
 
-/// Sums of products of 1, the input and the deformation, of which an offset and a gain are fitted without
-/// any vibration.
+/// Sums of products of 1, the input and the deformation, for a fit of an offset and a gain without any
+/// vibration.
 #[derive(Clone, Copy, Debug, Default)]
 struct Still {
     count: f64,
@@ -48,7 +48,7 @@ struct Still {
 }
 
 impl Track {
-    /// A linearisation that has seen no sample.
+    /// A linearisation without samples.
     pub fn new(mode: Mode, sample_time: f64) -> Self {
         Self {
             mode,
@@ -63,7 +63,7 @@ impl Track {
         }
     }
 
-    /// Adds the last row to the sums, unless its deformation was left out.
+    /// Adds the last row to the sums, unless it is a spike.
     pub fn take(&mut self, sample: &Sample) {
         if !sample.deformation.is_finite() {
             return;
@@ -83,7 +83,7 @@ impl Track {
         self.still.count
     }
 
-    /// Sum of squares that an offset and a gain alone leave of the deformation.
+    /// Sum of squares of the deformation after a fit of offset and gain alone.
     pub fn without_vibration(&self) -> f64 {
         let still = &self.still;
         if still.count <= 0.0 {
@@ -93,7 +93,7 @@ impl Track {
         let spread = still.input_square - still.input * still.input * mean;
         let centred = still.deformation_square - still.deformation * still.deformation * mean;
         let slope = still.product - still.input * still.deformation * mean;
-        // An input that stands still is no column.
+        // A constant input is no column.
         if spread > 1e-12 * still.input_square {
             centred - slope * slope / spread
         } else {

@@ -1,4 +1,4 @@
-//! How a linearisation walks along the window: from sample to sample, and into a new stretch.
+//! The position of a linearisation in the window: from sample to sample, and into a new stretch.
 
 use super::window::Window;
 use crate::estimators::Sample;
@@ -6,7 +6,7 @@ use crate::estimators::Sample;
 /// The step between a sample and the one before.
 #[derive(Clone, Copy, Debug)]
 pub enum Step {
-    /// Nothing: it is the window's first.
+    /// None: it is the window's first sample.
     First,
     /// An interval in which the input drives the vibration: its length, s, and the input's coefficients on it.
     Interval(f64, [f64; 3]),
@@ -14,7 +14,7 @@ pub enum Step {
     Free,
 }
 
-/// Place in the window, and where its stretch began.
+/// Position in the window, and the start of its stretch.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Walk {
     /// Samples of the window seen so far.

@@ -1,9 +1,9 @@
-//! The samples that count, and how the input moves between them.
+//! The stored samples, with the input between them.
 
 use crate::estimators::Sample;
 use crate::estimators::modal_response::{Interval, parabola};
 
-/// The stored samples, oldest first; every linearisation that runs along them finds the input's parabolas ready.
+/// The stored samples, oldest first, with the parabolas of the input that all linearisations share.
 #[derive(Clone, Debug)]
 pub struct Window {
     samples: Vec<Sample>,
@@ -12,7 +12,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// An empty window; takes all memory it will ever need.
+    /// An empty window; allocates all its memory.
     pub fn with_capacity(capacity: usize) -> Self {
         Self {
             samples: Vec::with_capacity(capacity),
@@ -25,25 +25,25 @@ impl Window {
         &self.samples
     }
 
-    /// Whether a further sample has no place.
+    /// Whether there is no place for a further sample.
     pub fn is_full(&self) -> bool {
         self.samples.len() == self.samples.capacity().min(self.bends.capacity())
     }
 
-    /// Takes a sample that is later than those before.
+    /// Adds a sample that is later than those before.
     pub fn push(&mut self, sample: Sample) {
         self.bends.push(bend(&self.samples, &sample));
         self.samples.push(sample);
     }
 
-    /// Of the youngest sample only the input is kept.
+    /// Marks the youngest sample as a spike: only its input is used.
     pub fn refuse_youngest(&mut self) {
         if let Some(youngest) = self.samples.last_mut() {
             youngest.deformation = f64::NAN;
         }
     }
 
-    /// Drops the oldest samples: before the first that is left there is none.
+    /// Drops the oldest samples; the first remaining one then has no interval before it.
     pub fn drop_oldest(&mut self, count: usize) {
         self.samples.drain(..count);
         self.bends.drain(..count);

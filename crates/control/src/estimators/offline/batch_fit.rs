@@ -9,9 +9,9 @@ use super::point::{Point, UNKNOWNS, damping_slope, point_of};
 use super::search::{best_start, descend};
 use crate::estimators::{Sample, Settings};
 
-/// Share of its own that is added to each unknown's diagonal before the normal equations are inverted: a few hundred
-/// roundings, so that unknowns that the record does not tell apart have a standard deviation, too, three million
-/// times that of each with the others known.
+/// Relative increase of each diagonal element before the normal equations are inverted: a few hundred
+/// roundings. So unknowns that the record does not separate also have a standard deviation, three million times
+/// that of each with the others known.
 const ROUNDING: f64 = 1e-13;
 
 /// The result of a batch fit.
@@ -25,7 +25,7 @@ pub struct BatchFit {
     pub damping_ratio_std: f64,
     /// Static gain and its standard deviation.
     pub gain: (f64, f64),
-    /// Scale of the deformation against what the motor side's motion makes of it.
+    /// Scale of the deformation relative to the response to the motor side's motion.
     pub scale: f64,
     /// Constant offset of the deformation.
     pub offset: f64,
@@ -39,13 +39,13 @@ pub struct BatchFit {
 
 /// Least squares of the output error over all samples, by Levenberg and Marquardt's method.
 ///
-/// The model is that of the likelihood estimator, with the free initial state (again after each
-/// `memory` of the settings), offset, rate, scale and gain as further unknowns under the settings'
-/// priors. Starts: a grid of frequencies over the settings' range, a quarter apart; the best end wins. In
-/// a record of more than 1e4 samples they descend in the highest-energy so many of them first, and the places
-/// that they come to go on in the highest-energy 1e5, or in all where there are no more; the best of these is
-/// where the whole begins. With `motion` false the motor side counts as standing still (a plain free
-/// decay). `None` where no start ends in a mode or the samples are fewer than twice the unknowns.
+/// The model is that of the likelihood estimator. The initial state is free (again after each `memory` of the
+/// settings); offset, rate, scale and gain are further unknowns under the settings' priors. Starts: a grid of
+/// frequencies over the settings' range, a quarter apart; the best end wins. For a record of more than 1e4
+/// samples all starts are first fitted to the 1e4 samples of highest energy. Their ends are then fitted to the
+/// 1e5 samples of highest energy (or all, if there are fewer), and the best of these starts the fit to the
+/// whole record. With `motion` false the motor side is taken as standing still (a plain free decay). `None`
+/// where no start ends in a mode or the samples are fewer than twice the unknowns.
 pub fn batch_fit(samples: &[Sample], settings: &Settings, motion: bool) -> Option<BatchFit> {
     if samples.len() < 2 * (UNKNOWNS + 2) {
         return None;
@@ -61,14 +61,14 @@ pub fn batch_fit(samples: &[Sample], settings: &Settings, motion: bool) -> Optio
     follow(&still, settings, best_start(&still, settings)?)
 }
 
-/// The batch fit next to a mode that is known already, from a part of the record that [`batch_fit`] took: so there
-/// are samples enough. `None` where it ends in no mode of the settings' range.
+/// The batch fit from a known mode, on a part of a record that [`batch_fit`] accepted, so that it has enough
+/// samples. `None` where it ends in no mode of the settings' range.
 pub fn batch_fit_near(samples: &[Sample], settings: &Settings, mode: Mode) -> Option<BatchFit> {
     let point = point_of(mode.natural_frequency(), mode.damping_ratio());
     follow(samples, settings, point)
 }
 
-/// From a point down to rounding, over all samples.
+/// Descends from a point to rounding, over all samples.
 fn follow(samples: &[Sample], settings: &Settings, point: Point) -> Option<BatchFit> {
     let (end, _) = descend(&LevenbergMarquardt::new(), samples, settings, point)?;
     conclude(&end)
@@ -84,8 +84,8 @@ fn conclude(problem: &Problem<'_>) -> Option<BatchFit> {
     let correlation = if square > 0.0 { product / square } else { 0.0 };
     let unknowns = UNKNOWNS + 2 * problem.stretches();
     let variance = square / (count.saturating_sub(unknowns).max(1)) as f64;
-    // Two standard deviations of the first autocorrelation of white noise; and one of all samples is
-    // independent of the others at least.
+    // Two standard deviations of the first autocorrelation of white noise. At least one of all samples is
+    // independent.
     let wide = if correlation > 2.0 / (count as f64).sqrt() {
         ((1.0 + correlation) / (1.0 - correlation)).min(count as f64)
     } else {

@@ -33,7 +33,7 @@ pub fn amplitude_spectrum(samples: &[Sample], frequencies: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Mean over the last half, where a decay has the least left.
+/// Mean over the last half, where the decay is smallest.
 fn mean(samples: &[Sample]) -> f64 {
     let tail = &samples[samples.len() / 2..];
     tail.iter().map(|s| s.deformation).sum::<f64>() / tail.len().max(1) as f64

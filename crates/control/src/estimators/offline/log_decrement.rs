@@ -30,8 +30,8 @@ pub struct Extremum {
     pub height: f64,
 }
 
-/// Successive extrema of a free decay of about this frequency (rad/s) about a given offset, until
-/// one sinks below `floor`.
+/// Successive extrema of a free decay of about this frequency (rad/s) about a given offset, until one is below
+/// `floor`.
 ///
 /// An extremum is the greatest (least) sample of half a period around it, and on its own side of the
 /// offset. Each is refined by the vertex of the parabola that fits the samples within an eighth of a

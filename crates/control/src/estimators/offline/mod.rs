@@ -1,4 +1,4 @@
-//! Off-line references: what a whole record says, to compare the on-line estimators with.
+//! Off-line estimators over a whole record, as a reference for the on-line ones.
 
 mod batch_fit;
 mod fourier;

@@ -1,7 +1,7 @@
 //! The output error as a least-squares problem.
 //!
-//! At every point the record is gone through once. Of its rows only a triangle is kept, which has all
-//! products of the columns: memory does not grow with the record.
+//! At every point one pass over the record is made. Only a triangular factor of its rows is kept, which
+//! contains all products of the columns: memory does not grow with the record.
 
 use core::ops::Range;
 
@@ -27,14 +27,15 @@ const REDUCED: usize = UNKNOWNS + 1;
 /// Residuals of the solver: the triangle's, a prior each.
 const ROWS: usize = REDUCED + UNKNOWNS;
 
-/// Noise, in amplitudes of the deformation, where its level is not given. It weighs the priors only: against `N`
-/// samples of a vibration the square of a scale's that is known to 10 % is `0.02 / N`, so that its order is enough.
+/// Noise, in amplitudes of the deformation, if its level is not given. It weighs the priors only: for `N`
+/// samples of a vibration a scale known to 10 % has a relative weight of `0.02 / N`, so that its order of
+/// magnitude is enough.
 const GUESSED_NOISE: f64 = 0.01;
 /// One record, and a point in the space of unknowns.
 pub struct Problem<'a> {
     pub samples: &'a [Sample],
     settings: &'a Settings,
-    /// Residual that a prior's standard deviation is worth.
+    /// Residual that corresponds to one standard deviation of a prior.
     noise: f64,
     pub point: Point,
     stretches: Vec<Stretch>,
@@ -43,7 +44,7 @@ pub struct Problem<'a> {
     slopes: [Complex<f64>; 2],
 }
 
-/// Samples over which the vibration is that of one free initial state.
+/// Samples whose vibration has one free initial state.
 struct Stretch {
     range: Range<usize>,
     /// Amplitudes of the free columns.
@@ -51,7 +52,7 @@ struct Stretch {
 }
 
 impl<'a> Problem<'a> {
-    /// A record, what is known before it, and a point.
+    /// The problem for a record, settings and a point.
     pub fn new(samples: &'a [Sample], settings: &'a Settings, point: Point) -> Self {
         let mut problem = Self {
             samples,
@@ -103,7 +104,7 @@ impl<'a> Problem<'a> {
         self.stretches = stretches;
     }
 
-    /// Shows every sample's row, and whether a stretch begins with it.
+    /// Visits every sample's row, and whether a stretch begins with it.
     fn walk(&self, mode: Mode, mut see: impl FnMut(usize, bool, &[f64; WIDTH])) {
         let mut response = ModalResponse::new(mode, self.settings.sample_time);
         let mut first = 0;
@@ -143,11 +144,11 @@ impl<'a> Problem<'a> {
         ]
     }
 
-    /// Amplitudes of a stretch's free decay for the linear unknowns as they are.
+    /// Amplitudes of a stretch's free decay for the present linear unknowns.
     fn free(&self, triangle: &SMatrix<f64, COLUMNS, COLUMNS>) -> Vector2<f64> {
         let linear = triangle.fixed_view::<2, 4>(0, 6) * self.point.fixed_rows::<4>(2);
         let left = triangle.fixed_view::<2, 1>(0, 10) - linear;
-        // One sample alone determines one amplitude: the column of the other is 0, and so is it.
+        // A single sample determines one amplitude only: the other column is 0, and so is its amplitude.
         let sine = match triangle[(1, 1)] {
             0.0 => 0.0,
             pivot => left[1] / pivot,
@@ -155,8 +156,8 @@ impl<'a> Problem<'a> {
         Vector2::new((left[0] - triangle[(0, 1)] * sine) / triangle[(0, 0)], sine)
     }
 
-    /// Derivatives and residual of a stretch, with what its free decay can follow projected out: the rows
-    /// of the triangle below those of the free columns.
+    /// Derivatives and residual of a stretch, with its free decay projected out: the rows of the triangle below
+    /// those of the free columns.
     ///
     /// Source: L. Kaufman, A variable projection method for solving separable nonlinear least squares
     /// problems, BIT 15 (1975).
@@ -195,7 +196,7 @@ impl<'a> Problem<'a> {
             .sum()
     }
 
-    /// Standard deviations of the priors, infinite where there is none; 0 for what is held at 0.
+    /// Standard deviations of the priors; infinite without a prior, 0 for unknowns held at 0.
     fn prior_deviations(&self) -> [f64; UNKNOWNS] {
         let rate = self.mode().map(|mode| mode.natural_frequency().recip());
         [
@@ -208,12 +209,12 @@ impl<'a> Problem<'a> {
         ]
     }
 
-    /// Whether an unknown is known to be 0.
+    /// Whether an unknown is held at 0.
     pub fn is_held(&self, unknown: usize) -> bool {
         self.prior_deviations()[unknown] == 0.0
     }
 
-    /// One residual's worth of each prior: offset, rate, scale, gain. What is held moves no other residual.
+    /// Residuals of the priors: offset, rate, scale, gain. A held unknown affects no other residual.
     fn priors(&self) -> [f64; UNKNOWNS] {
         self.prior_deviations().map(|std| match std {
             0.0 => 1.0,
@@ -273,7 +274,8 @@ impl LeastSquaresProblem<f64, Const<ROWS>, U6> for Problem<'_> {
         self.point
     }
 
-    /// As long as all samples' and priors' residuals, and at the same angles to the derivatives.
+    /// The residuals in reduced form: of the same length as all residuals of samples and priors, and at the
+    /// same angles to the derivatives.
     fn residuals(&self) -> Option<SVector<f64, ROWS>> {
         let priors = SVector::from(self.priors()).component_mul(&self.point);
         let mut all = SVector::<f64, ROWS>::zeros();

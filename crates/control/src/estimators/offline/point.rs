@@ -10,14 +10,14 @@ pub const UNKNOWNS: usize = 6;
 /// Values of the unknowns.
 pub type Point = Vector<f64, U6, Owned<f64, U6>>;
 
-/// Damping ratio that a descent may reach: next to 1 the two poles meet, and by `1 / (1 - xi^2)`, 500 times, what
-/// tells them apart cancels.
+/// Largest damping ratio of a descent. Near 1 the two poles meet, and their difference loses digits by a factor
+/// of `1 / (1 - xi^2)`, 500.
 const OVERDAMPED: f64 = 0.999;
-/// How far beyond the range of frequencies a descent may look. What ends there is refused, so that an octave is
-/// enough to come back from.
+/// Factor by which a descent may leave the range of frequencies. An end outside of the range is refused, so an
+/// octave is enough for a descent that comes back.
 const OCTAVE: f64 = 2.0;
 
-/// The point with this natural frequency, rad/s, and damping ratio, and 0 for all that is linear.
+/// The point with this natural frequency, rad/s, and damping ratio, and linear unknowns of 0.
 pub fn point_of(w: f64, xi: f64) -> Point {
     let mut point = Point::zeros();
     point[0] = w.ln();
@@ -25,14 +25,14 @@ pub fn point_of(w: f64, xi: f64) -> Point {
     point
 }
 
-/// Natural frequency, rad/s, and damping ratio of a point: `w = exp p_0`, `xi = p_1^2 / (1 + p_1^2)`, so that every
-/// step of the solver ends in a mode.
+/// Natural frequency, rad/s, and damping ratio of a point: `w = exp p_0`, `xi = p_1^2 / (1 + p_1^2)`, so that
+/// every step of the solver ends in a valid mode.
 fn of_point(point: &Point) -> (f64, f64) {
     let square = point[1] * point[1];
     (point[0].exp(), square / (1.0 + square))
 }
 
-/// The mode at a point, an octave beyond a range of frequencies, rad/s, at most.
+/// The mode at a point; `None` if it is more than an octave outside of a range of frequencies, rad/s.
 pub fn mode(point: &Point, (low, high): (f64, f64)) -> Option<Mode> {
     let (w, xi) = of_point(point);
     let w = w.max(low / OCTAVE).min(high * OCTAVE);

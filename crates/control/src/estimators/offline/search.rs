@@ -1,4 +1,4 @@
-//! Where a batch fit begins: the best of many descents, from a grid of frequencies, in a part of the record.
+//! The start of a batch fit: the best of many descents, from a grid of frequencies, in a part of the record.
 
 use core::f64::consts::TAU;
 
@@ -8,40 +8,40 @@ use super::output_error::Problem;
 use super::point::{Point, point_of, pole};
 use crate::estimators::{Sample, Settings};
 
-/// Samples in which every start descends, and those in which the places are told apart that these have come to.
+/// Samples of the part in which every start descends, and of the longer part that separates their ends.
 ///
-/// The end of the record may be a hundred times as far as that of the longer part, that of the longer ten times as
-/// far as that of the shorter. With noise of a tenth of the amplitude the phase there of what never decays is
-/// known from `N` samples to `0.1 sqrt(24 / N)` rad times that ratio, 0.15 and 0.05 rad: the minimum of the part
-/// lies in that of the whole.
+/// The end of the record may be a hundred times as far away as the end of the longer part, and that ten times
+/// as far as the end of the shorter one. With noise of a tenth of the amplitude, `N` samples determine the
+/// phase of an undamped mode there to `0.1 sqrt(24 / N)` rad times that ratio, 0.15 and 0.05 rad. So the
+/// minimum for the part lies in the basin of that for the whole.
 ///
 /// Source: variance of a frequency, D. C. Rife, R. R. Boorstyn, IEEE Trans. Inf. Theory 20 (1974) 591-598.
 const PARTS: [usize; 2] = [10_000, 100_000];
 
-/// Relative change of the cost, and of the unknowns, at which a descent in a part ends. Of `N` samples' cost it is
-/// `1e-6 N` variances of the noise: a tenth of a standard deviation of the unknowns in the shorter part, a third in
-/// the longer. What follows begins there and goes on.
+/// Relative change of the cost, and of the unknowns, at which a descent in a part ends. For `N` samples the
+/// cost is then within `1e-6 N` variances of the noise: a tenth of a standard deviation of the unknowns in the
+/// shorter part, a third in the longer. The next descent continues from there.
 const SEARCH: f64 = 1e-6;
 
 /// Ratio of neighbouring starts.
 const RATIO: f64 = 1.25;
-/// Least damping ratio of a start. Its response lasts `1 / (xi w)`; in that time one that is off by half a
-/// [`RATIO`] in frequency turns by `ln(1.25) / 2 / 0.05 = 2.2` rad against the right one, less than half a turn:
-/// the descent goes to that and not to a place a turn away.
+/// Least damping ratio of a start. Its response lasts `1 / (xi w)`. In that time a start that is off by half a
+/// [`RATIO`] in frequency turns by `ln(1.25) / 2 / 0.05 = 2.2` rad relative to the right one, less than half a
+/// turn, so that the descent does not end a whole turn away.
 const DAMPING: f64 = 0.05;
 
-/// Evaluations of a descent over the number of unknowns and one. From half a [`RATIO`] to [`SEARCH`] the error
-/// halves 17 times, and with 20 each of these may take eight trials.
+/// Evaluations of a descent, divided by the number of unknowns plus one. From half a [`RATIO`] to [`SEARCH`]
+/// the error halves 17 times; 20 allow eight trials for each halving.
 const PATIENCE: usize = 20;
 
-/// The part of a long record in which a mode is looked for: of so many samples in a row as are enough those whose
-/// deformation varies most; all of a shorter one.
+/// The part of a long record in which a mode is searched: the part of sufficient length whose deformation
+/// varies most. All samples of a shorter record.
 pub fn telling(samples: &[Sample]) -> &[Sample] {
     highest_energy(samples, PARTS[1])
 }
 
-/// Of all parts of so many samples that begin at a multiple of their number, and of the one that ends with the last
-/// sample, the one whose deformation varies most; all samples where they are fewer.
+/// The part of `count` samples whose deformation varies most, of all parts that begin at a multiple of `count`
+/// and of the last `count` samples. All samples where they are fewer.
 fn highest_energy(samples: &[Sample], count: usize) -> &[Sample] {
     let Some(last) = samples.len().checked_sub(count) else {
         return samples;
@@ -61,7 +61,7 @@ fn highest_energy(samples: &[Sample], count: usize) -> &[Sample] {
         .unwrap_or(samples)
 }
 
-/// The best of all places that starts over the range of frequencies lead to.
+/// The best end of all starts over the range of frequencies.
 pub fn best_start(samples: &[Sample], settings: &Settings) -> Option<Point> {
     let long = telling(samples);
     let short = highest_energy(long, PARTS[0]);
@@ -88,8 +88,8 @@ fn grid(settings: &Settings) -> Vec<Point> {
         .collect()
 }
 
-/// The places in a part that the starts lead to, each once. A start that leads nowhere there stays, and so does each
-/// that has less than two periods there: of these the part cannot tell a vibration from a drift, nor one from another.
+/// The different ends of the starts in a part. A start whose descent fails is kept itself, and so is each with
+/// less than two periods in the part, which cannot separate it from a drift or from another such start.
 fn places(part: &[Sample], settings: &Settings, starts: &[Point]) -> Vec<Point> {
     let method = LevenbergMarquardt::new().with_tol(SEARCH);
     let duration = part[part.len() - 1].time - part[0].time;
@@ -99,7 +99,7 @@ fn places(part: &[Sample], settings: &Settings, starts: &[Point]) -> Vec<Point> 
     for start in starts.iter().filter(|start| !is_slow(start)) {
         let end = descend(&method, part, settings, *start);
         let place = end.map_or(*start, |(end, _)| end.point);
-        // Responses whose poles are nearer than that do not come apart within the part.
+        // Poles that are nearer have the same response within the part.
         let is_near = |other: &Point| (pole(other) - pole(&place)).norm() * duration < 1.0;
         if !places.iter().any(is_near) {
             places.push(place);
@@ -109,8 +109,8 @@ fn places(part: &[Sample], settings: &Settings, starts: &[Point]) -> Vec<Point> 
     places
 }
 
-/// A descent from a start: where it ends and what it leaves there. `None` where it ends farther outside the range of
-/// frequencies than a neighbour of its last start would be, or in no number.
+/// A descent from a start: its end and the cost there. `None` if the end is farther outside the range of
+/// frequencies than one step of the grid, or not finite.
 pub fn descend<'a>(
     method: &LevenbergMarquardt<f64>,
     samples: &'a [Sample],

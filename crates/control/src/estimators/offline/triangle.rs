@@ -1,25 +1,25 @@
-//! The triangle of a tall matrix, whose rows are not kept.
+//! The triangular factor of a tall matrix whose rows are not kept.
 
 use nalgebra::{DMatrix, SMatrix};
 
-/// Rows that are taken at once: with a dozen columns they stay in the nearest cache.
+/// Rows of a block: with a dozen columns it fits in the first-level cache.
 const BLOCK: usize = 256;
 
-/// `R` of `A = Q R`, with `N` columns and any number of rows that come one by one.
+/// `R` of `A = Q R`, with `N` columns and any number of rows that arrive one by one.
 ///
-/// `R^T R = A^T A` without the squared condition of the normal equations: Householder's reflections make
-/// one triangle of each block of rows and the triangle of those before.
+/// `R^T R = A^T A` without the squared condition number of the normal equations: Householder reflections reduce
+/// each block of rows, together with the present triangle, to one triangle.
 ///
 /// Source: Demmel, Grigori, Hoemmen, Langou, Communication-optimal parallel and sequential QR and LU
 /// factorizations, SIAM J. Scientific Computing 34 (2012), sequential TSQR.
 pub struct Triangle<const N: usize> {
-    /// The triangle, and below it the rows that are not in it yet.
+    /// The triangle, and below it the rows that are not reduced yet.
     rows: DMatrix<f64>,
     filled: usize,
 }
 
 impl<const N: usize> Triangle<N> {
-    /// Of no rows.
+    /// A triangle without rows.
     pub fn new() -> Self {
         Self {
             rows: DMatrix::zeros(N + BLOCK, N),
@@ -38,7 +38,7 @@ impl<const N: usize> Triangle<N> {
         }
     }
 
-    /// The triangle of all rows since the last call; those that come are another matrix's.
+    /// The triangle of all rows since the last call; later rows begin a new matrix.
     pub fn take(&mut self) -> SMatrix<f64, N, N> {
         self.fold();
         let triangle = self.rows.fixed_view::<N, N>(0, 0).into_owned();
@@ -46,7 +46,7 @@ impl<const N: usize> Triangle<N> {
         triangle
     }
 
-    /// Turns the rows into the triangle. A full block is not copied.
+    /// Reduces the rows to the triangle. A full block is not copied.
     fn fold(&mut self) {
         let there = match self.filled {
             BLOCK => std::mem::replace(&mut self.rows, DMatrix::zeros(N + BLOCK, N)),

@@ -1,5 +1,5 @@
-//! From a start to the best pair of modes near it, a bounded number of samples a tick, and along with new
-//! samples from there.
+//! A descent from a start to the best pair of modes near it. It uses a bounded number of samples a tick, and
+//! follows new samples.
 
 use quell_shapers::Mode;
 
@@ -10,28 +10,30 @@ use crate::estimators::likelihood::noise::Noise;
 use crate::estimators::likelihood::region::{Region, TRUST};
 use crate::estimators::likelihood::{RULED_OUT, Window};
 
-/// The gain that a new linearisation must promise, in variances of the noise: a tenth of a standard deviation
+/// Least predicted gain of a new linearisation, in variances of the noise: a tenth of a standard deviation
 /// squared.
 const WORTH: f64 = 0.01;
-/// Step of `ln w` or `xi` below which rounding is all that moves it: well above a double's own, 2e-16, for what normal
-/// equations lose of it, and a thousandth of what a window of 65 536 samples knows either to at a noise of 1e-4.
+/// Step of `ln w` or `xi` below which only rounding is left. It is well above the 2e-16 of a double, since
+/// normal equations lose digits, and a thousandth of the uncertainty of a window of 65 536 samples at a noise
+/// of 1e-4.
 const ROUNDING: f64 = 1e-9;
-/// Linearisations after which a descent knows its direction. The first steps are cut to [`TRUST`]; three of them
-/// lead past the neighbours of the grid in frequency (a tenth) and over a quarter in damping.
+/// Linearisations after which the direction of a descent is clear. The first steps are cut to [`TRUST`]; three
+/// of them pass the grid's neighbours in frequency (a tenth) and a quarter in damping.
 const FOUND: u32 = 3;
-/// Damping that holds: a step is cut to 1e-15 of itself, which does not move what it is added to.
+/// Damping that holds an unknown: a step is reduced to 1e-15 of itself, which has no effect.
 const HOLDS: f64 = 1e15;
-/// Damping above which there is nothing to gain from here, as the samples stand: a millionth of a step gains two
-/// millionths of what the whole one promised.
+/// Damping above which no gain is left with the present samples: a millionth of a step gains two millionths of
+/// the predicted gain.
 const STUCK: f64 = 1e6;
-/// Factor of the damping after a step that has failed, and its inverse after one that has not, as in Marquardt's
-/// paper; and what it begins with: a step that is shorter by a thousandth.
+/// Factor of the damping after a failed step, and its inverse after a successful one, as in Marquardt's paper;
+/// and the first damping, which shortens a step by a thousandth.
 const FACTOR: f64 = 10.0;
 const FIRST: f64 = 1e-3;
-/// Factor of the damping with each new sample: what has failed once is tried again after 22 of them.
+/// Factor of the damping with each new sample: a failed step is tried again after 22 of them.
 const EASES: f64 = 0.9;
-/// Work of a solution in samples of a pair: two fits of 14 each, and a profile of 2, as measured (75 ns a sample). Counted
-/// in products a fit is some two samples, but each sum of a factor waits for the one before.
+/// Cost of a solution, in samples of a pair: two fits of 14 unknowns each, and a profile of 2, as measured (75
+/// ns a sample). By its number of products a fit would cost some two samples, but each sum of a factor depends
+/// on the one before.
 const SOLUTION: usize = 30;
 
 /// Levenberg and Marquardt's method along a growing window.
@@ -43,11 +45,11 @@ pub struct Descent {
     best: Option<(Pair, Fit)>,
     candidate: Option<Pair>,
     damping: f64,
-    /// Linearisations that were taken.
+    /// Number of linearisations so far.
     taken: u32,
-    /// Damping of what stands on the edge of its range and would leave it.
+    /// Damping of unknowns at the edge of their range that would leave it.
     held: [f64; 4],
-    /// Level of the noise as the best one leaves it.
+    /// Noise level by the residual of the best one.
     pub noise: Noise,
 }
 
@@ -62,12 +64,12 @@ pub struct Ground<'a> {
     pub priors: &'a Priors,
     /// The largest deformation so far.
     pub largest: f64,
-    /// Sum of squares that one mode leaves.
+    /// Sum of squares with one mode.
     pub one: f64,
 }
 
 impl Descent {
-    /// A descent that begins at a pair of modes, at a level of the noise.
+    /// A descent from a pair of modes, at a given level of the noise.
     pub fn new(modes: [Mode; 2], noise: Noise, sample_time: f64) -> Self {
         Self {
             best: None,
@@ -84,18 +86,18 @@ impl Descent {
         self.best.as_ref()
     }
 
-    /// The modes that it stands at, or begins with.
+    /// The present modes, or those at the start.
     pub fn modes(&self) -> Option<[Mode; 2]> {
         let best = self.best.as_ref().map(|(pair, _)| pair);
         best.or(self.candidate.as_ref()).map(|pair| pair.modes)
     }
 
-    /// Whether it has arrived, as the samples stand.
+    /// Whether it has converged on the present samples.
     pub fn rests(&self) -> bool {
         self.candidate.is_none()
     }
 
-    /// Whether it promises too little, once it has found its direction, to end where one mode is excluded.
+    /// Whether it will not exclude a single mode: its direction is clear, and the predicted gain is too small.
     pub fn is_hopeless(&self, ground: &Ground<'_>) -> bool {
         self.taken >= FOUND
             && self.best.is_some_and(|(_, fit)| {
@@ -103,17 +105,17 @@ impl Descent {
             })
     }
 
-    /// Takes what is new in the window.
+    /// Processes the new samples of the window.
     pub fn follow(&mut self, ground: &Ground<'_>) {
         let Some((pair, _)) = &mut self.best else {
             return;
         };
         pair.absorb(ground.window);
-        // What has failed is tried again once there are more data.
+        // A failed step is tried again once there are more data.
         self.damping *= EASES;
     }
 
-    /// Fits anew to all that the best linearisation has taken.
+    /// Fits again with all samples of the best linearisation.
     pub fn refit(&mut self, ground: &Ground<'_>) {
         let variance = self.noise.variance;
         let best = self.best.as_ref();
@@ -123,13 +125,13 @@ impl Descent {
         }
     }
 
-    /// Takes a fit of the best linearisation, and the noise that it leaves.
+    /// Stores a fit of the best linearisation, and its noise level.
     fn settle(&mut self, mut new: Fit, ground: &Ground<'_>) {
         let Some((pair, old)) = &mut self.best else {
             return;
         };
         let variance = self.noise.variance;
-        // On the edge of the allowed ranges the others go on alone.
+        // At the edge of the allowed ranges the other unknowns go on alone.
         self.held = held(ground.settings, pair.modes, new.step);
         if self.held.iter().any(|&held| held > 0.0)
             && let Some(rest) = fit(pair, ground.priors, variance, &self.held)
@@ -146,7 +148,7 @@ impl Descent {
         self.noise = Noise::pooled(given, new.cost_after, spare, ground.largest);
     }
 
-    /// New linearisations while they are worth it and the budget of samples lasts.
+    /// New linearisations as long as they are worth it and the budget of samples lasts.
     pub fn advance(&mut self, ground: &Ground<'_>, budget: &mut usize) {
         while *budget > 0 {
             if self.candidate.is_none() {
@@ -187,7 +189,7 @@ impl Descent {
         Some(next)
     }
 
-    /// Takes the candidate that has caught up where it leaves less.
+    /// Accepts a candidate that has caught up, if it has a lower cost.
     fn judge(&mut self, ground: &Ground<'_>) {
         let Some(candidate) = self.candidate.take() else {
             return;
@@ -211,7 +213,7 @@ impl Descent {
     }
 }
 
-/// Damping that holds what a step would push over the edge that it stands on.
+/// Damping for unknowns at the edge of their range that a step would push beyond it.
 fn held(settings: &Settings, modes: [Mode; 2], step: [f64; 4]) -> [f64; 4] {
     let Some(ends) = stepped(settings, modes, step) else {
         return [0.0; 4];
@@ -224,7 +226,7 @@ fn held(settings: &Settings, modes: [Mode; 2], step: [f64; 4]) -> [f64; 4] {
 }
 
 /// The modes at the end of a step, cut to the trusted length and moved into the allowed ranges; `None` where
-/// that leads nowhere.
+/// these are no modes.
 pub fn stepped(settings: &Settings, modes: [Mode; 2], step: [f64; 4]) -> Option<[Mode; 2]> {
     let excess = (0..4).map(|n| step[n].abs() / TRUST[n % 2]);
     let cut = excess.fold(1.0, f64::max).recip();

@@ -10,7 +10,7 @@ use crate::estimators::modal_response::{FREE, FREE_SLOPE, LINK, RATE};
 
 /// Unknowns: ten linear ones, then `ln w` and `xi` of both modes.
 pub const UNKNOWNS: usize = 14;
-/// Where the modes come among the unknowns.
+/// Position of the modes among the unknowns.
 const MODES: usize = 10;
 
 /// Columns of the linear unknowns: the free decays' amplitudes, offset, the rates' coefficients, scale, the
@@ -41,10 +41,10 @@ pub struct Priors {
     pub precision: [f64; UNKNOWNS],
 }
 
-/// The fit by the moments at and near their linearisation.
+/// The fit from the moments near their linearisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Fit {
-    /// Sum of squares at the linearisation point itself, linear unknowns at their best.
+    /// Sum of squares at the linearisation point, with the best linear unknowns.
     pub cost: f64,
     /// The same at the end of the step, as the linearisation predicts it.
     pub cost_after: f64,
@@ -60,7 +60,7 @@ pub struct Fit {
     pub linear_residual: Row,
     /// Unknowns that the samples determine rather than the priors.
     pub unknowns: f64,
-    /// Sum of squares of what each mode makes of the deformation.
+    /// Sum of squares of each mode's part of the deformation.
     pub energy: [f64; 2],
 }
 
@@ -89,7 +89,7 @@ fn slopes(pair: &Pair, linear: &[f64; UNKNOWNS]) -> [Slope; 4] {
     })
 }
 
-/// The linear unknowns at their best for a pair's modes.
+/// The best linear unknowns for a pair's modes.
 struct Profile {
     factor: Cholesky<UNKNOWNS>,
     forward: [f64; UNKNOWNS],
@@ -121,13 +121,13 @@ fn solve_linear(pair: &Pair, priors: &Priors, variance: f64) -> Option<Profile> 
     })
 }
 
-/// Sum of squares at a pair's modes, the linear unknowns at their best.
+/// Sum of squares at a pair's modes, with the best linear unknowns.
 pub fn profile(pair: &Pair, priors: &Priors, variance: f64) -> Option<f64> {
     solve_linear(pair, priors, variance).map(|profile| profile.cost)
 }
 
-/// Adds both modes to the normal equations of the linear unknowns, their diagonal longer by a share
-/// `damping` of itself each (Levenberg and Marquardt).
+/// Adds both modes to the normal equations of the linear unknowns; each diagonal element is increased by a
+/// share `damping` (Levenberg and Marquardt).
 fn add_modes(
     pair: &Pair,
     (priors, variance): (&Priors, f64),
@@ -174,7 +174,7 @@ fn residuals(solution: &[f64; UNKNOWNS], slopes: &[Slope; 4]) -> [Row; 2] {
     [all, linear]
 }
 
-/// Sum of squares of what each mode makes of the deformation.
+/// Sum of squares of each mode's part of the deformation.
 fn energies(pair: &Pair, linear: &[f64; UNKNOWNS]) -> [f64; 2] {
     let shares = shares(linear);
     core::array::from_fn(|mode| {
@@ -191,8 +191,8 @@ fn energies(pair: &Pair, linear: &[f64; UNKNOWNS]) -> [f64; 2] {
     })
 }
 
-/// One step of all unknowns, `damping` as in Levenberg and Marquardt's method: infinitely much of it holds `ln w` or
-/// `xi` where it is.
+/// One step of all unknowns; `damping` as in Levenberg and Marquardt's method. An infinite damping holds `ln w`
+/// or `xi`.
 pub fn fit(pair: &Pair, priors: &Priors, variance: f64, damping: &[f64; 4]) -> Option<Fit> {
     let mut profile = solve_linear(pair, priors, variance)?;
     let linear = profile.factor.backward::<MODES>(&profile.forward);

@@ -1,7 +1,7 @@
-//! Where to start: every pair of frequencies of a grid, held against the window at once.
+//! Starts for two modes: every pair of frequencies of a grid is compared with the window at once.
 //!
-//! The sums of products of all columns of all modes of a grid say, for each pair, what the best linear
-//! unknowns leave. So one replay of the window finds the basin of the best pair, wherever it is.
+//! The sums of products of all columns of all modes of the grid give, for each pair, the cost with the best
+//! linear unknowns. So one replay of the window finds the basin of the best pair, wherever it is.
 
 use quell_shapers::Mode;
 
@@ -13,8 +13,8 @@ use crate::estimators::modal_response::{DEFORMATION, FREE, ModalResponse, VELOCI
 
 /// Modes of the grid.
 pub const MODES: usize = 16;
-/// Ratio of neighbours: four periods resolve no less than an eighth of the frequency, half of a period
-/// over their length. 16 of them reach an octave to either side.
+/// Ratio of neighbours. Four periods resolve an eighth of the frequency: half a period over their length. 16
+/// modes reach an octave to either side.
 const RATIO: f64 = 1.1;
 /// Ratio of the last to the middle, `RATIO^7.5`.
 pub const REACH: f64 = 2.04;
@@ -27,17 +27,18 @@ const TOTAL_INPUT: usize = WIDTH - 2;
 const MEASURED: usize = WIDTH - 1;
 /// Linear unknowns of a pair.
 const UNKNOWNS: usize = 2 * OF_A_MODE + 2;
-/// Whose prior each of them has among the unknowns of a fit; the shares of both modes are open.
+/// Index of each one's prior among the unknowns of a fit; the shares of both modes are free.
 const PRIOR: [usize; UNKNOWNS] = [0, 1, 5, 8, 2, 3, 6, 8, 4, 9];
-/// Starts that are kept: the best pair, and where the window is too short to tell which neighbour of a strong mode
-/// is the weak one, one to either side.
+/// Number of starts that are kept: the best pair and, if the window is too short to tell on which side of a
+/// strong mode the weak one lies, one to either side.
 pub const STARTS: usize = 3;
 
-/// Work of a sample of the grid, and of a pair's solution, in samples of a pair of modes, as measured (75 ns a sample).
+/// Cost of a sample of the grid, and of a pair's solution, in samples of a pair of modes, as measured (75 ns a
+/// sample).
 const SAMPLE: usize = 6;
 const PAIR: usize = 2;
 
-/// A pair of the grid, and the sum of squares that it leaves.
+/// A pair of the grid, and its sum of squares.
 #[derive(Clone, Copy, Debug)]
 struct Start {
     places: [usize; 2],
@@ -45,26 +46,26 @@ struct Start {
 }
 
 impl Start {
-    /// Whether two starts lead to the same place: neighbours in both modes.
+    /// Whether two starts lead to the same minimum: neighbours in both modes.
     fn is_near(&self, other: &Self) -> bool {
         (0..2).all(|k| self.places[k].abs_diff(other.places[k]) <= 1)
     }
 }
 
-/// The grid, its sums, and how far it has been walked.
+/// The grid, its sums, and the present position in the window.
 #[derive(Clone, Debug)]
 pub struct Grid {
     modes: [Mode; MODES],
     responses: Vec<ModalResponse>,
     moments: Vec<[f64; WIDTH]>,
     walk: Walk,
-    /// The next pair to be looked at.
+    /// The next pair to be evaluated.
     next: [usize; 2],
     best: [Option<Start>; STARTS],
 }
 
 impl Grid {
-    /// Takes all memory that it will ever need.
+    /// A grid; allocates all its memory.
     pub fn new(mode: Mode, sample_time: f64) -> Self {
         let mut grid = Self {
             modes: [mode; MODES],
@@ -78,12 +79,12 @@ impl Grid {
         grid
     }
 
-    /// Begins anew around a mode.
+    /// Restarts around a mode.
     pub fn begin(&mut self, mode: Mode, sample_time: f64) {
         for (k, response) in self.responses.iter_mut().enumerate() {
             let steps = k as f64 - 0.5 * (MODES - 1) as f64;
             let w = mode.natural_frequency() * RATIO.powf(steps);
-            // A mode's scaled by a number of order one is one, too.
+            // A scaled mode, by a factor of order one, is a mode, too.
             self.modes[k] = Mode::new(w, mode.damping_ratio()).unwrap_or(mode);
             *response = ModalResponse::new(self.modes[k], sample_time);
         }
@@ -95,7 +96,7 @@ impl Grid {
         self.best = [None; STARTS];
     }
 
-    /// Goes on: samples first, then pairs, each from the budget. Whether all is done.
+    /// Continues: samples first, then pairs, within the budget. Returns whether all is done.
     pub fn advance(
         &mut self,
         window: &Window,
@@ -125,7 +126,7 @@ impl Grid {
         self.next[0] + 1 >= MODES
     }
 
-    /// The starts that leave the least, the best first.
+    /// The starts of least cost, the best first.
     pub fn starts(&self) -> [Option<[Mode; 2]>; STARTS] {
         self.best
             .map(|start| start.map(|start| start.places.map(|k| self.modes[k])))
@@ -161,7 +162,7 @@ impl Grid {
         }
     }
 
-    /// Sum of squares that the linear unknowns of the next pair leave, infinite where there are none.
+    /// Sum of squares of the next pair with the best linear unknowns; infinite where there are none.
     fn cost(&self, priors: &Priors, variance: f64) -> f64 {
         let [i, j] = self.next;
         let column = |n: usize| match n {
@@ -188,7 +189,7 @@ impl Grid {
         self.moments[MEASURED][MEASURED] - explained
     }
 
-    /// Keeps a start among the best, unless it leads where a better one leads.
+    /// Keeps a start among the best, unless a better one leads to the same minimum.
     fn keep(&mut self, start: Start) {
         if !start.cost.is_finite() {
             return;
@@ -204,7 +205,7 @@ impl Grid {
                 }
                 _ => fresh = slot.replace(one),
             }
-            // What a better neighbour has pushed out leads nowhere else.
+            // A start that a better neighbour has replaced leads to the same minimum.
             if let (Some(pushed), Some(now)) = (fresh, &slot)
                 && pushed.is_near(now)
             {

@@ -1,4 +1,4 @@
-//! Maximum likelihood of two modes, and whether there are two.
+//! Maximum likelihood of two modes, and the decision whether there are two.
 //!
 //! The measured deformation is taken as
 //! ```text
@@ -6,18 +6,20 @@
 //!         + o + K u + noise,        p_1 + p_2 = 1 + g
 //! q_m'' = w_m^2 (u - q_m) - 2 xi_m w_m q_m'
 //! ```
-//! which with `p_2 = c_2 = a_2 = b_2 = 0` is the model of [`Likelihood`]. That runs beside it, and speaks
-//! while one mode explains the samples: two are told once the likelihood ratio excludes one.
+//! With `p_2 = c_2 = a_2 = b_2 = 0` this is the model of [`Likelihood`]. That estimator runs beside it and
+//! gives the estimate as long as one mode explains the samples. Two modes are reported once the likelihood
+//! ratio excludes one.
 //!
-//! Under one mode the second's frequency and damping mean nothing, so that the ratio is no chi-squared but
-//! the largest of a process of them. With two linear unknowns it goes beyond `u` with a probability of about
-//! `B T (pi u / 6)^(1/2) e^(-u/2)`, `B` the range of frequencies (Hz) and `T` the length; an open damping makes
-//! that some three times as much, two more linear unknowns `u / 2` times. At `u = 30`, an octave to either side
-//! and six periods: 3e-5 for a free decay, 5e-4 in motion. A residual whose neighbours are correlated counts for
-//! as much less as it does in the standard deviations.
+//! Under one mode the second's frequency and damping are undefined. So the ratio is not a chi-squared but the
+//! maximum of a process over them. With two linear unknowns it exceeds `u` with a probability of about `B T (pi
+//! u / 6)^(1/2) e^(-u/2)`, `B` the range of frequencies (Hz) and `T` the length. A free damping multiplies that
+//! by about three, two more linear unknowns by `u / 2`. At `u = 30`, an octave to either side and six periods:
+//! 3e-5 for a free decay, 5e-4 in motion. The correlation of the residual reduces the ratio by the same factor
+//! by which it widens the standard deviations.
 //!
-//! Two modes that damp alike and have one frequency are one: their frequencies must differ by three standard
-//! deviations of the difference. The input is trusted to the end, whatever `memory` the settings have.
+//! Two modes of the same damping and frequency are one: their frequencies must differ by three standard
+//! deviations of the difference. The simulated vibration relies on the input over the whole window, whatever
+//! the `memory` of the settings.
 //!
 //! Source: output-error method, L. Ljung, System Identification, 2nd ed., ch. 7; likelihood ratio where a
 //! nuisance exists under the alternative only, R. B. Davies, Biometrika 74 (1987) 33-43; its form for a
@@ -41,29 +43,31 @@ use super::{Estimate, Estimator, Sample, Settings};
 pub(super) use self::fit::{Priors as PairPriors, fit as fit_pair};
 pub(super) use self::pair::Pair;
 
-/// Share of the time between two samples that replays may take, so that all else that a tick does fits beside
-/// them, and what one sample of them may take, s: at best it takes 75 ns (one core at 2026-11-22), the rest is for slower processors.
-/// All work is counted in such samples.
+/// Share of the time between two samples that replays may take, so that the rest of a tick has enough time. And
+/// the assumed time of one replayed sample, s: 75 ns were measured (one core at 2026-11-22), the rest is for
+/// slower processors. All work is counted in such samples.
 const REPLAY_SHARE: f64 = 0.05;
 const REPLAY_TIME: f64 = 200e-9;
-/// Fits in a period of the faster mode: what is told is a tenth of a radian old at most.
+/// Number of fits in a period of the faster mode: a reported mode is at most a tenth of a radian old.
 const FITS: f64 = 64.0;
-/// Samples that replays may take in one tick, whatever the rate. The least: the longest window, 65 536 samples, is
-/// run along again in some 500 ticks. The most: they take 0.2 ms, a fifth of a tick of 1 kHz.
+/// Least and greatest number of samples that replays may take in one tick, whatever the rate. With the least,
+/// the longest window of 65 536 samples is replayed in some 500 ticks. The greatest takes 0.2 ms, a fifth of a
+/// tick of 1 kHz.
 const REPLAYS: (f64, f64) = (128.0, 1024.0);
-/// Standard deviations of a difference of frequencies by which two modes are two: by chance once in 370 times.
+/// Standard deviations of the frequency difference that separate two modes: chance exceeds them once in 370
+/// times.
 const APART: f64 = 3.0;
-/// Standard deviation of `ln w`, or of `xi`, above which a mode is of no use: two of them are the half width of
-/// what a ZVD shaper holds at 5 % (0.33 of the frequency), and an error of either leaves the same.
+/// Standard deviation of `ln w`, or of `xi`, above which a mode is not useful. Two of them are the half width
+/// of a ZVD shaper's insensitivity at 5 % (0.33 of the frequency), and an error of either leaves the same.
 const USEFUL: f64 = 0.08;
-/// Damping ratio above which nothing rings twice: it loses nine tenths in a period. Two standard deviations must
-/// exclude it, since a drift is no mode.
+/// Damping ratio above which there is no oscillation: nine tenths are lost in a period. Two standard deviations
+/// must exclude it, since a drift is no mode.
 const RINGS: f64 = 0.35;
-/// Share of their distance that the next step of a frequency may be: two of them may go towards each other by so
-/// much, and half of the distance is left.
+/// Largest next step of a frequency, as a share of the modes' distance: two steps towards each other leave half
+/// of the distance.
 const ARRIVED: f64 = 0.25;
-/// Ratio of energies at which the other mode becomes the first. Where both have about the same, noise would make
-/// them change places with every fit; twice as much it does not make of what is known to 8 %.
+/// Ratio of energies at which the other mode becomes the first. With equal energies noise would exchange them
+/// at every fit; noise of 8 % does not cause a factor of two.
 const CHANGES_PLACES: f64 = 2.0;
 
 /// The likelihood estimator of two modes.
@@ -77,11 +81,11 @@ pub struct TwoModeLikelihood {
     one: Likelihood,
     search: Search,
     active: Option<Descent>,
-    /// Samples that replays may take in one tick.
+    /// Number of samples that replays may take in one tick.
     budget: usize,
     /// Time of the last fit, s.
     fitted_at: f64,
-    /// Which of the two modes has the more energy.
+    /// Index of the mode with more energy.
     first: usize,
     convergence: [Convergence; 2],
     converged: [bool; 2],
@@ -89,7 +93,7 @@ pub struct TwoModeLikelihood {
 }
 
 impl TwoModeLikelihood {
-    /// Takes all memory it will ever need.
+    /// An estimator; allocates all its memory.
     pub fn new(settings: &Settings) -> Self {
         let one = Likelihood::new(settings);
         Self {
@@ -108,7 +112,7 @@ impl TwoModeLikelihood {
         }
     }
 
-    /// Runs what is fitted, and what is looked for, over the youngest sample.
+    /// Updates the present fit and the search with the youngest sample.
     fn work(&mut self, due: bool) {
         let noise = self.active.as_ref().map_or(self.one.noise(), |a| a.noise);
         let modes = self.active.as_ref().and_then(Descent::modes);
@@ -131,7 +135,7 @@ impl TwoModeLikelihood {
         }
         self.search.follow(&ground);
         budget += self.budget / 2;
-        // Where both have settled there is nothing to look for.
+        // If both modes have converged, no search is needed.
         let settled = self.told.is_some() && self.converged == [true; 2];
         let around = (self.one.mode(), noise);
         if ground.window.samples().len() > UNKNOWNS
@@ -145,7 +149,7 @@ impl TwoModeLikelihood {
         }
     }
 
-    /// Whether it is time for a fit: so often in a period of the faster mode.
+    /// Whether a fit is due, by the number of fits in a period of the faster mode.
     fn is_due(&mut self, time: f64) -> bool {
         let modes = self.active.as_ref().and_then(Descent::modes);
         let fastest = modes.map_or(f64::INFINITY, |[a, b]| a.hertz().max(b.hertz()));
@@ -156,7 +160,7 @@ impl TwoModeLikelihood {
         due
     }
 
-    /// Takes what a search has found, if it leaves less by more than the noise.
+    /// Accepts the result of a search, if its cost is lower by more than the noise.
     fn consider(&mut self, found: Descent) {
         let Some((_, new)) = found.best() else { return };
         let old = self.active.as_ref().and_then(Descent::best);
@@ -177,7 +181,7 @@ impl TwoModeLikelihood {
         let replays = |active: &Descent| active.best().is_none() && !active.rests();
         let replays = |active| replays(active) || self.one.least_cost().is_none();
         if self.active.as_ref().is_some_and(replays) {
-            // Half of the window is gone, and the rest not yet seen again.
+            // Half of the window was dropped, and the rest is not replayed yet.
             return;
         }
         let told = self.two(time);
@@ -187,7 +191,7 @@ impl TwoModeLikelihood {
         self.told = told;
     }
 
-    /// Whether the likelihood ratio says that one mode is not enough.
+    /// Whether the likelihood ratio excludes a single mode.
     fn excludes_one(&self, active: &Descent, pair: &Pair, fit: &Fit) -> bool {
         let Some(one) = self.one.least_cost() else {
             return false;
@@ -199,7 +203,8 @@ impl TwoModeLikelihood {
         active.noise.freedom > 0.0 && evidence > RULED_OUT
     }
 
-    /// Both, the one with more energy first; `None` where one is enough, or two are not known well enough.
+    /// Both modes, the one with more energy first; `None` where one is enough, or two are not known well
+    /// enough.
     fn two(&mut self, time: f64) -> Option<[Estimate; 2]> {
         let active = self.active.as_ref()?;
         let (pair, fit) = active.best()?;
@@ -234,7 +239,7 @@ impl TwoModeLikelihood {
         }))
     }
 
-    /// The rule of [`Likelihood`], for each mode.
+    /// The convergence rule of [`Likelihood`], for each mode.
     fn settles(&mut self, m: usize, time: f64, mode: Mode, std: [f64; 2], rests: bool) -> bool {
         self.convergence[m].push(time, mode.natural_frequency(), mode.damping_ratio());
         let within = |limit: f64| std.iter().all(|std| *std < limit);
@@ -246,7 +251,7 @@ impl TwoModeLikelihood {
     }
 }
 
-/// Whether two modes have rung for a period each, and differ in frequency: what has not come round once may
+/// Whether two modes have each vibrated for at least a period, and differ in frequency. Less than a period may
 /// be a drift.
 fn are_two(fit: &Fit, modes: [Mode; 2], variance: f64, elapsed: f64) -> bool {
     let [a, b] = modes.map(|mode| mode.natural_frequency().ln());
@@ -264,7 +269,7 @@ fn are_two(fit: &Fit, modes: [Mode; 2], variance: f64, elapsed: f64) -> bool {
     arrived && spacing > APART * difference.max(0.0).sqrt() && rings(0) && rings(1)
 }
 
-/// Priors of a pair: those of one mode for each; the share of the second is open by the whole.
+/// Priors of a pair: those of one mode for each; the share of the second is free.
 fn pair_priors(one: &Likelihood, variance: f64, modes: [Mode; 2]) -> Priors {
     let base = one.priors_for(variance);
     let [w, xi, a, b, offset, _, scale, gain] = base.precision;
@@ -286,7 +291,7 @@ impl Estimator for TwoModeLikelihood {
             return;
         }
         if now < before {
-            // The window has slid: all is replayed from its new first sample on.
+            // The window has slid: everything is replayed from its new first sample on.
             self.search.restart();
             if let Some(active) = &mut self.active
                 && let Some(modes) = active.modes()

@@ -39,7 +39,7 @@ pub type Row = [f64; WIDTH];
 /// One linearisation, run along the samples from the first one on.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
-    /// Where it is linearised.
+    /// The modes at the linearisation.
     pub modes: [Mode; 2],
     responses: [ModalResponse; 2],
     /// Sums of products of the columns, below and on the diagonal.
@@ -57,7 +57,7 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// A linearisation that has seen no sample.
+    /// A linearisation without samples.
     pub fn new(modes: [Mode; 2], sample_time: f64) -> Self {
         Self {
             modes,
@@ -81,7 +81,7 @@ impl Pair {
                 response.advance(length, &input);
             }
         }
-        // Of a spike only the input is kept.
+        // Of a spike only the input is used.
         if sample.deformation.is_finite() {
             self.fill(sample);
             self.take();
@@ -106,7 +106,7 @@ impl Pair {
 
     fn take(&mut self) {
         for (i, &x) in self.row.iter().enumerate() {
-            // In a free decay all that the input drives is 0.
+            // In a free decay all driven columns are 0.
             if x != 0.0 {
                 for (sum, y) in self.moments[i].iter_mut().zip(&self.row[..=i]) {
                     *sum += x * y;
@@ -130,7 +130,7 @@ impl Pair {
         self.moments[i.max(j)][i.min(j)]
     }
 
-    /// Sum of squares of what weights make of the rows.
+    /// Sum of squares of a weighted sum of the rows' columns.
     pub fn square(&self, weights: &[(usize, f64)]) -> f64 {
         let products = |&(i, x): &(usize, f64)| -> f64 {
             let sum: f64 = weights.iter().map(|&(j, y)| y * self.moment(i, j)).sum();

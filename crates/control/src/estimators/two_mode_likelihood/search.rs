@@ -1,4 +1,4 @@
-//! The search for a pair that explains the window better, again and again while the window grows.
+//! The search for a pair that explains the window better, repeated while the window grows.
 
 use quell_shapers::Mode;
 
@@ -8,25 +8,25 @@ use crate::estimators::Settings;
 use crate::estimators::likelihood::noise::Noise;
 use crate::estimators::likelihood::region::{Region, log_point};
 
-/// Growth of the window between two searches. What a second mode shows grows with the window at least
-/// linearly, and all searches together cost some three and a half times the last.
+/// Growth of the window between two searches. The evidence of a second mode grows at least linearly with the
+/// window, and all searches together cost some three and a half times the last.
 const GROWTH: f64 = 1.4;
-/// Damping ratios of the grid's modes. Over some periods a mode whose damping is off by less than a few
-/// hundredths is still alike.
+/// Damping ratios of the grid's modes. Over a few periods modes are alike if their damping ratios differ by
+/// less than a few hundredths.
 const DAMPING: (f64, f64) = (0.01, 0.1);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     /// Waiting for a longer window.
     Waiting,
-    /// The grid walks along the window.
+    /// The grid is advanced along the window.
     Grid,
-    /// From one start after another.
+    /// Descents from one start after another.
     Descents,
 }
 
-/// The middle of the grid: the mode that is fitted, moved so that the grid covers no more than the range that is
-/// looked for, or the middle of that: where that is an octave to either side, as around a belief, it stays there.
+/// The middle of the grid. It is the fitted mode, moved so that the grid stays within the range of the
+/// settings. If that range is an octave to either side, as around a belief, it is the middle of the range.
 fn centre(settings: &Settings, mode: Mode) -> Mode {
     let (low, high) = settings.frequency_range;
     let (first, last) = (low * REACH, high / REACH);
@@ -45,12 +45,12 @@ pub struct Search {
     grid: Grid,
     starts: [Option<[Mode; 2]>; STARTS],
     descent: Option<Descent>,
-    /// Samples of the window from which on to search again.
+    /// Length of the window, in samples, at which the next search begins.
     next: usize,
 }
 
 impl Search {
-    /// Takes all memory that it will ever need.
+    /// A search; allocates all its memory.
     pub fn new(settings: &Settings, mode: Mode) -> Self {
         Self {
             stage: Stage::Waiting,
@@ -61,7 +61,7 @@ impl Search {
         }
     }
 
-    /// Breaks off; the next search may begin at once.
+    /// Aborts the search; the next one may begin at once.
     pub fn restart(&mut self) {
         self.stage = Stage::Waiting;
         self.starts = [None; STARTS];
@@ -69,15 +69,14 @@ impl Search {
         self.next = 0;
     }
 
-    /// Takes what is new in the window.
+    /// Processes the new samples of the window.
     pub fn follow(&mut self, ground: &Ground<'_>) {
         if let Some(descent) = &mut self.descent {
             descent.follow(ground);
         }
     }
 
-    /// Goes on around the one mode that is fitted, within the budget; a descent that has arrived is handed
-    /// over.
+    /// Continues around the one mode that is fitted, within the budget; returns a descent that has converged.
     pub fn advance(
         &mut self,
         ground: &Ground<'_>,
@@ -103,7 +102,7 @@ impl Search {
         }
     }
 
-    /// From the present start, or from the next one.
+    /// Descends from the present start, or from the next one.
     fn descend(
         &mut self,
         ground: &Ground<'_>,
@@ -116,7 +115,7 @@ impl Search {
                 self.next = (GROWTH * ground.window.samples().len() as f64) as usize + 1;
                 return None;
             };
-            // The grid may reach a little beyond the range.
+            // The grid may exceed the range a little.
             let region = Region::new(ground.settings.frequency_range);
             let start = start.map(|mode| region.mode(log_point(mode)).unwrap_or(mode));
             self.descent = Some(Descent::new(start, noise, ground.settings.sample_time));
@@ -124,7 +123,7 @@ impl Search {
         let descent = self.descent.as_mut()?;
         descent.advance(ground, budget);
         if descent.is_hopeless(ground) {
-            // The other starts leave more than this one did.
+            // The other starts have a higher cost than this one had.
             self.descent = None;
             self.starts = [None; STARTS];
             return None;

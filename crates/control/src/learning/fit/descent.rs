@@ -1,4 +1,4 @@
-//! Gauss and Newton's steps down to the modes that leave least.
+//! Gauss-Newton steps to the modes of least cost.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -9,9 +9,9 @@ use crate::learning::point::{OF_A_MODE, Point, Prior};
 
 /// Steps at most; a dozen is usual.
 const STEPS: usize = 25;
-/// Damping ratios that are looked at.
+/// Range of damping ratios.
 const DAMPING: (f64, f64) = (1e-4, 0.5);
-/// A sample further away than so many standard deviations is none of the vibration: noise is once in two million.
+/// Standard deviations beyond which a sample is a spike: noise exceeds them once in two million samples.
 const SPIKE: f64 = 5.0;
 
 impl Problem<'_> {
@@ -22,7 +22,7 @@ impl Problem<'_> {
         }
     }
 
-    /// From a start down to where no step leaves less; spikes are then left out, and it goes on.
+    /// Descends from a start until no step lowers the cost; then removes spikes and continues.
     pub fn fit(&mut self, start: &[Point], priors: &[Prior]) -> Option<Fit> {
         let points = self.descend(start, priors)?;
         if self.leave_spikes_out(&points, priors)? {
@@ -35,7 +35,7 @@ impl Problem<'_> {
     fn descend(&self, start: &[Point], priors: &[Prior]) -> Option<Vec<Point>> {
         let unknowns = UNKNOWNS * start.len() + COMMON;
         let mut points = start.to_vec();
-        // What the priors are weighed against: of a coloured residual fewer samples are independent.
+        // The weight of the priors; a coloured residual has fewer independent samples.
         let mut variance = 1e-4 * self.largest * self.largest;
         let mut now = self.solve(&points, priors, variance)?;
         let mut damping = 1e-2;
@@ -62,7 +62,7 @@ impl Problem<'_> {
                 }
                 damping *= 10.0;
             }
-            // What is left to gain is a hundredth of what one standard deviation of an unknown makes.
+            // The remaining gain is a hundredth of that of one standard deviation of an unknown.
             if gained < 0.01 * variance {
                 break;
             }
@@ -87,7 +87,7 @@ impl Problem<'_> {
         let moved = each.map(|(m, point)| {
             let at = first + OF_A_MODE * m;
             let own: Vec<f64> = (0..OF_A_MODE).map(|n| step[at + n]).collect();
-            // No further than a linearisation carries.
+            // No farther than the linearisation is valid.
             let most = own.iter().fold(0.1f64, |most, x| most.max(x.abs()));
             let own: Vec<f64> = own.iter().map(|x| x * 0.1 / most).collect();
             self.clamped(Point {
@@ -98,13 +98,13 @@ impl Problem<'_> {
         Some(moved.collect())
     }
 
-    /// Whether there were any that had counted before.
+    /// Marks spikes; returns whether there were new ones.
     fn leave_spikes_out(&mut self, points: &[Point], priors: &[Prior]) -> Option<bool> {
         let variance = 1e-6 * self.largest * self.largest;
         let residual = self.solve(points, priors, variance)?.residual;
         let mut sizes: Vec<f64> = residual.iter().map(|r| r.abs()).collect();
         sizes.sort_by(f64::total_cmp);
-        // The median of a Gaussian's size is 0.6745 standard deviations.
+        // The median of a Gaussian's absolute value is 0.6745 standard deviations.
         let std = sizes[sizes.len() / 2] / 0.6745;
         let mut any = false;
         for (counts, r) in self.counts.iter_mut().zip(residual.iter()) {
@@ -112,7 +112,7 @@ impl Problem<'_> {
             any |= spike;
             *counts &= !spike;
         }
-        // Where more than one in twenty lies outside it is the model that is wrong, not the sensor.
+        // If more than one in twenty lies outside, the model is wrong, not the sensor.
         if self.count() < 0.95 * self.samples.len() as f64 {
             self.counts.fill(true);
             any = false;

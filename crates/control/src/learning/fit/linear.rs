@@ -10,13 +10,13 @@ use crate::learning::response::{COLUMNS, columns};
 
 /// Linear unknowns that belong to no mode: offset, gain, slope of the input.
 pub const COMMON: usize = 3;
-/// Relative difference at which the derivative by an unknown is taken: its square is far below the noise, and its
-/// rounding, too.
+/// Relative step of the difference quotients: its square and its rounding are both far below the noise.
 const DIFFERENCE: f64 = 1e-4;
-/// Standard deviations of a static gain and, s, of what a clock's offset makes of the input's slope.
+/// Standard deviations of a static gain and, s, of the slope of the input by a clock's offset.
 const GAIN_STD: f64 = 0.05;
 const LAG_STD: f64 = 2e-3;
-/// Standard deviation of a mode's share, of that of a damper to ground, and of `c w`: a lag of 2 ms at 20 Hz makes 0.25 of it.
+/// Standard deviation of a mode's share, of a damper to ground's share, and of `c w`: a lag of 2 ms at 20 Hz
+/// makes 0.25 of the latter.
 const SHARE_STD: f64 = 2.0;
 const GROUND_STD: f64 = 1.0;
 const RATE_STD: f64 = 0.3;
@@ -27,7 +27,7 @@ pub struct Linear {
     pub unknowns: DVector<f64>,
     pub residual: DVector<f64>,
     pub square: f64,
-    /// With what the priors say.
+    /// Cost, priors included.
     pub cost: f64,
 }
 
@@ -76,7 +76,7 @@ impl Problem<'_> {
         DVector::from_iterator(self.samples.len(), each.map(value))
     }
 
-    /// The linear unknowns at their best.
+    /// The best linear unknowns.
     pub fn solve(&self, points: &[Point], priors: &[Prior], variance: f64) -> Option<Linear> {
         let design = self.design(points);
         let measured = self.measured();
@@ -107,7 +107,7 @@ impl Problem<'_> {
         })
     }
 
-    /// Derivatives of the model by all unknowns of all modes that do not enter linearly.
+    /// Derivatives of the model by all nonlinear unknowns of all modes.
     fn slopes_of(&self, points: &[Point], linear: &Linear) -> DMatrix<f64> {
         let mut slopes = DMatrix::zeros(self.samples.len(), OF_A_MODE * points.len());
         for (m, point) in points.iter().enumerate() {
@@ -165,7 +165,7 @@ impl Problem<'_> {
         (normal, right)
     }
 
-    /// The sum of squares that modes leave, linear unknowns at their best.
+    /// The sum of squares with these modes and the best linear unknowns.
     pub fn left_by(&self, points: &[Point]) -> Option<f64> {
         let variance = 1e-6 * self.largest * self.largest;
         Some(self.solve(points, &[], variance)?.square)

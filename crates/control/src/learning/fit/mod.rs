@@ -3,9 +3,10 @@
 //! ```text
 //! delta = sum_m [p_m (q_m - u) + d_m (g_m - q_m) + c_m q_m' + a_m f_m + b_m h_m] + o + K u + s u' + noise
 //! ```
-//! with `q_m`, `g_m`, and the free decays `f_m`, `h_m`, of [`columns`]. The shares `p`, dampers to ground `d`, lags `c`, `s`, what
-//! vibrated before `a`, `b`, offset `o` and gain `K` enter linearly; `ln w` at the nodes of the way, and `xi`, do not.
-//! Gauss and Newton's steps, damped as by Levenberg and Marquardt, from Gaussian priors: what the map says.
+//! with `q_m`, `g_m`, and the free decays `f_m`, `h_m`, of [`columns`]. The shares `p`, dampers to ground `d`,
+//! lags `c`, `s`, initial vibration `a`, `b`, offset `o` and gain `K` enter linearly; `ln w` at the nodes of
+//! the way, and `xi`, do not. Gauss-Newton steps, damped as by Levenberg and Marquardt; the map gives Gaussian
+//! priors.
 //!
 //! Source: L. Ljung, System Identification, 2nd ed., ch. 7.
 
@@ -24,10 +25,10 @@ use crate::estimators::correlation::Correlation;
 /// Unknowns of a mode.
 const UNKNOWNS: usize = COLUMNS + OF_A_MODE;
 
-/// A mode as a move has it.
+/// A fitted mode of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fitted {
-    /// Where it is.
+    /// The mode.
     pub point: Point,
     /// Its share `p`.
     pub share: f64,
@@ -35,7 +36,7 @@ pub struct Fitted {
     pub share_std: f64,
     /// Covariance of `ln w` at the nodes and `xi`.
     pub covariance: SMatrix<f64, OF_A_MODE, OF_A_MODE>,
-    /// What the samples alone say of them: the precision beside that of the prior.
+    /// Information of the samples alone: the precision without that of the prior.
     pub information: SMatrix<f64, OF_A_MODE, OF_A_MODE>,
     /// The prior that it was fitted with.
     pub prior: Prior,
@@ -48,22 +49,22 @@ pub struct Fit {
     pub modes: Vec<Fitted>,
     /// Sum of squares of the residual.
     pub square: f64,
-    /// Samples that count.
+    /// Number of samples in use.
     pub samples: f64,
     /// Variance of the residual.
     pub variance: f64,
-    /// By how much its colour widens what is known.
+    /// Inflation of the variances by its colour.
     pub inflation: f64,
     /// Part of its variance that is not white.
     pub coloured: f64,
-    /// Residual at each sample; spikes are no numbers.
+    /// Residual at each sample; NaN for spikes.
     pub residual: Vec<f64>,
-    /// Lowest and highest `ln w` that were looked at.
+    /// Lowest and highest `ln w` in range.
     pub range: (f64, f64),
 }
 
 impl Fit {
-    /// Part of the residual's variance that its colour tells from white noise: what the modes leave unexplained.
+    /// The coloured part of the residual's variance: the part that the modes leave unexplained.
     pub fn unexplained(&self) -> f64 {
         self.coloured * self.variance
     }
@@ -74,7 +75,7 @@ impl Fit {
 pub struct Problem<'a> {
     /// Samples.
     pub samples: &'a [Sample],
-    /// From start to end.
+    /// The way from start to end.
     pub way: Way,
     /// Lowest and highest `ln w`.
     pub range: (f64, f64),
@@ -84,7 +85,7 @@ pub struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// Of finite samples in the order of time.
+    /// A problem for finite samples in the order of time.
     pub fn new(samples: &'a [Sample], way: Way, range: (f64, f64)) -> Self {
         let slope = |k: usize| {
             let (a, b) = (
@@ -103,12 +104,12 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Samples that count.
+    /// Number of samples in use.
     pub fn count(&self) -> f64 {
         self.counts.iter().filter(|counts| **counts).count() as f64
     }
 
-    /// The variance of a residual: rounding at least.
+    /// The variance of a residual, at least that of rounding.
     fn variance(&self, square: f64, unknowns: usize) -> f64 {
         let spare = (self.count() - unknowns as f64).max(1.0);
         (square / spare)
@@ -161,7 +162,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// A symmetric matrix without what rounding makes negative.
+/// A symmetric matrix without the negative eigenvalues that rounding causes.
 fn not_negative(matrix: SMatrix<f64, OF_A_MODE, OF_A_MODE>) -> SMatrix<f64, OF_A_MODE, OF_A_MODE> {
     let mut eigen = (0.5 * (matrix + matrix.transpose())).symmetric_eigen();
     eigen.eigenvalues.apply(|value| *value = value.max(0.0));

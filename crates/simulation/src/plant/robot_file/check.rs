@@ -1,4 +1,4 @@
-//! Checks of single values, with file, key and value where they are refused.
+//! Checks of single values; a refusal names file, key and value.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::plant::RobotError;
 
-/// No controller, sensor or joint of a robot is faster than this, Hz; a simulation would not end.
+/// Highest rate of a controller, sensor or mode, Hz, so that a simulation ends.
 const HIGHEST_RATE: f64 = 1e6;
 
 /// Checks values; `file` names the description in errors.
