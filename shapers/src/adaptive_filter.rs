@@ -11,8 +11,8 @@ use crate::{Buffer, GridTrain, Mode, OwnBuffer, Setpoint, ShaperError};
 
 /// A [`crate::ShapingFilter`] that can also change its train in motion: [`AdaptiveFilter::retune`].
 ///
-/// It remembers what it was given and what it sent, so that it can tell which vibration its command
-/// will have left, whatever trains made it, and send what cancels that.
+/// It remembers its input and its output. So it can compute the vibration that its command will have left,
+/// whatever trains made it, and send what cancels that.
 #[derive(Clone, Debug)]
 pub struct AdaptiveFilter<S = OwnBuffer<Setpoint>, E = OwnBuffer<Entry>> {
     pub(crate) sample_time: f64,
@@ -121,8 +121,8 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         }
     }
 
-    /// Becomes a copy of another filter with buffers of the same lengths, as its clone is. No allocation; of the past as much is copied
-    /// as there is.
+    /// Becomes a copy of another filter with buffers of the same lengths, as its clone is. No allocation; only
+    /// the used part of the past is copied.
     pub fn copy_from(&mut self, other: &Self) {
         self.tick = other.tick;
         self.line.copy_from(&other.line);
@@ -202,9 +202,11 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         self.fade.replace(&last);
     }
 
-    /// Takes what was sent up to now as having left no vibration, as after it has died. Says whether: not where the output still moves.
+    /// Treats the command so far as having left no vibration, as after it has decayed. Returns false, and
+    /// changes nothing, while the output still moves.
     ///
-    /// What another mode than the present one has left, as with another payload, cannot be replayed with the present one.
+    /// Vibration of another mode than the present one, for example with another payload, cannot be replayed
+    /// with the present mode.
     pub fn forget(&mut self) -> bool {
         let settled = self.is_settled();
         if settled {

@@ -1,4 +1,4 @@
-//! The ways in which a command can go on: with a cross-fade or without, with a correction or without.
+//! The possible continuations of a command: with or without a cross-fade, with or without a correction.
 
 use crate::adaptive_filter::AdaptiveFilter;
 use crate::ahead::Ahead;
@@ -15,7 +15,7 @@ use num_traits::Float;
 /// Lengths of the cross-fades that are tried, damped periods; 0 keeps the old train to the end.
 const FADES: [f64; 3] = [1.0, 2.0, 0.0];
 
-/// The knowledge of the modes before a choice is made.
+/// Known quantities of the modes before a choice is made.
 pub(crate) struct Known {
     pub meters: Each<Meter>,
     /// The vibration that everything planned, and everything sent, has left of each.
@@ -156,7 +156,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         ahead.simulate(trains, schedule, &mut self.future)
     }
 
-    /// Whether a train can take over now without a trace, because the line is constant.
+    /// Whether a train can take over now without any effect, because the line is constant.
     pub(crate) fn can_switch(&self, train: &GridTrain) -> bool {
         let longest = self.fade.duration_in_ticks().max(train.duration_in_ticks());
         self.line.unchanged_for() >= longest

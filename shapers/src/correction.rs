@@ -19,7 +19,7 @@ const CONDITIONS: usize = 1 + 4 * CORRECTED_MODES;
 type Steps = [f64; CORRECTION_STEPS];
 /// A condition: the share of each step, and the sum that all must add up to.
 type Conditions = ArrayVec<(Steps, f64), CONDITIONS>;
-/// A least norm needs freedom: with as many steps as conditions there is only one solution.
+/// A least norm needs free unknowns: with as many steps as conditions there is only one solution.
 const SPARE: usize = 2;
 
 /// The vibration of each mode that a correction cancels.
@@ -105,8 +105,7 @@ impl Schedule {
         self.steps.is_empty()
     }
 
-    /// Whether nothing is added from now on: where what is to come was dropped, the steps that are over
-    /// need not add up to zero.
+    /// Whether nothing is added from now on. After dropped steps the finished ones need not add up to zero.
     pub fn adds_nothing(&self) -> bool {
         self.steps.is_empty() && self.offset == 0.0
     }

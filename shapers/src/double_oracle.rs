@@ -1,9 +1,8 @@
-//! The least worst residual as a game: who mixes instants against who mixes modes and phases.
+//! The least worst residual as a matrix game: one player mixes instants, the other modes and phases.
 //!
-//! `|H| <= V` is `Re(exp(-j phi) H) <= V` for every phase, so that `min max |H|` over amplitudes at all instants
-//! is a matrix game, though one with endlessly many rows and columns. Each player in turn adds the best answers
-//! to the other's mix, until what one pays and what the other gets are as good as equal. Times are in
-//! units of `1 / omega_n`.
+//! `|H| <= V` is `Re(exp(-j phi) H) <= V` for every phase, so that `min max |H|` over amplitudes at all
+//! instants is a matrix game with infinitely many rows and columns. Each player in turn adds the best answers
+//! to the other's mix, until both values are practically equal. Times are in units of `1 / omega_n`.
 //!
 //! Source: McMahan, Gordon and Blum 2003 (double oracle).
 
@@ -29,7 +28,7 @@ const ROUNDS: usize = 60;
 /// vibration is below what an encoder sees of it, and half of that is 1 % of what one period leaves of a box of 4 %.
 const GAP: f64 = 0.01;
 const FLOOR: f64 = 5e-5;
-/// Shares of the command that leave less than a hundredth of the floor even all together.
+/// Shares of the command that are negligible: all together leave less than a hundredth of the floor.
 const NEGLIGIBLE: f64 = 0.01 * FLOOR / ROOM as f64;
 
 /// Frequencies from and to, over the estimate, and damping ratios from and to.

@@ -1,4 +1,4 @@
-//! The best positive train for a mode that is known only so well.
+//! The best positive train for an uncertain mode.
 
 use crate::double_oracle::{DoubleOracle, ROOM, Uncertainty};
 use crate::uncertain_mode::WITHIN;

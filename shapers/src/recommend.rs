@@ -1,4 +1,4 @@
-//! Which shaper for a mode that is known only so well.
+//! Recommendation of a shaper for an uncertain mode.
 
 use crate::{ImpulseTrain, SHAPERS, Shaper, ShaperError, UncertainMode, residual_vibration};
 use arrayvec::ArrayVec;
@@ -14,7 +14,7 @@ const REACH: f64 = 3.0;
 /// Room for the table of shapers.
 const CANDIDATES: usize = 32;
 
-/// The quantity that is made small.
+/// The quantity to be minimised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Criterion {
     /// The mean residual over the uncertainty.
@@ -28,10 +28,10 @@ pub enum Criterion {
 pub struct Requirements {
     /// Longest delay that the train may add, s; infinity for any.
     pub longest_delay: f64,
-    /// The quantity that is made small.
+    /// The quantity to be minimised.
     pub criterion: Criterion,
-    /// A residual that is small enough: of the shapers at or below it the shortest is taken. 0.05 is
-    /// what insensitivity is told at; 0 asks for the least.
+    /// A residual that is small enough: of the shapers at or below it the shortest is taken. 0.05 is the usual
+    /// level of insensitivity; 0 asks for the least residual.
     pub acceptable: f64,
     /// Residuals nearer than this are as good as each other, and the shorter train is taken: the
     /// smallest vibration that matters (or that the sensor sees) over the unshaped vibration.
@@ -118,7 +118,7 @@ pub struct Recommendation {
     pub candidates: ArrayVec<Candidate, CANDIDATES>,
 }
 
-/// Recommends a shaper of [`SHAPERS`] for modes that are known only so well.
+/// Recommends a shaper of [`SHAPERS`] for uncertain modes.
 ///
 /// The train is the convolution of those designed for each estimate. Each residual is its
 /// [`residual_vibration`] over a grid of 61 x 13 modes within 3 standard deviations, weighted by the
@@ -228,7 +228,7 @@ fn choose(
     })
 }
 
-/// By delay; of one delay, which computed in two ways differs by rounding, by what is left.
+/// Order by delay; for equal delays, which may differ by rounding, by the residual.
 fn shorter(a: &Candidate, b: &Candidate, criterion: Criterion) -> Ordering {
     if (a.delay - b.delay).abs() <= 1e-9 * a.delay {
         return a.figure(criterion).total_cmp(&b.figure(criterion));

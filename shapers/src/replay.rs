@@ -64,7 +64,7 @@ pub(crate) struct Present {
     pub negligible: f64,
 }
 
-/// The command as it goes on without a new correction, and what becomes of the modes.
+/// The command without a new correction, and the resulting vibration of the modes.
 pub(crate) struct Forecast<'a, S> {
     pub ahead: Ahead<'a, S>,
     pub trains: Trains<'a>,
@@ -80,7 +80,7 @@ pub(crate) struct Forecast<'a, S> {
     pub meters: &'a [Meter],
     /// The vibration that everything sent up to now has left of each mode.
     pub past: Each<ModalState>,
-    /// The bound that no other way may exceed; none where it does not matter.
+    /// The bound for all other continuations; `None` where it does not matter.
     pub present: Option<&'a Present>,
 }
 
@@ -108,8 +108,8 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
         .collect()
     }
 
-    /// Looks for a way of less vibration than `best`: with no correction, and with each that takes one of `wanted` away.
-    /// Whether there is one that keeps the limits, however much it vibrates.
+    /// Searches a continuation of less vibration than `best`: without a correction, and with each that removes
+    /// one of `wanted`. Returns whether any continuation keeps the limits, however much it vibrates.
     pub fn improve(
         &self,
         best: &mut Option<Choice>,
@@ -127,7 +127,8 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
         let [replayed, left] = wanted;
         possible |= self.correct(best, as_is, replayed, excess);
         let between = left.iter().zip(replayed).map(|(left, own)| left.less(*own));
-        // Most trains leave nothing: then both are the same. What a train leaves by its design waits for the end.
+        // Most trains leave nothing, and both are equal. A residual by a train's design is removed only at the
+        // end.
         let ended = self.ahead.planned.is_empty();
         if (ended || self.is_worth(replayed)) && self.is_worth(&between.collect::<Each<_>>()) {
             possible |= self.correct(best, as_is, left, excess);
@@ -232,7 +233,7 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
         (self.is_allowed(&during, 0..bins) && self.is_allowed(after, bins..BINS)).then_some(energy)
     }
 
-    /// Whether what a correction would take away decays with more than a negligible energy.
+    /// Whether the vibration that a correction would remove has more than a negligible energy in its decay.
     fn is_worth(&self, wanted: &[ModalState]) -> bool {
         let modes = self.meters.iter().zip(wanted);
         let energy: f64 = modes

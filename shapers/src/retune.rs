@@ -10,7 +10,8 @@ use crate::{Buffer, Correction, Refusal, Retune, RetuneOutcome, Setpoint};
 use num_traits::Float;
 
 impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
-    /// Goes over to another train in motion, and takes away what the wrong one has left of the given modes.
+    /// Goes over to another train in motion, and cancels the vibration that the wrong one has left in the given
+    /// modes.
     ///
     /// `planned(k)` is the input at the `k`-th tick from now, `1 <= k <= remaining`; after that it
     /// stays where it is. The output is simulated ahead with a cross-fade to the new train. What everything
@@ -37,9 +38,9 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
     /// within the limits. So a plan that leaves nothing of its limits free is corrected where it does not
     /// need them.
     ///
-    /// May be called again at any time, with a better estimate, or as what was not possible has become so: steps that
-    /// have begun run to their end, the others are replaced (or, if the limits cannot be kept without them,
-    /// added to). After the end of the command it cancels what still rings.
+    /// It may be called again at any time, with a better estimate, or once a refused correction has become
+    /// possible. Steps that have begun run to their end; the others are replaced (or, if the limits cannot be
+    /// kept without them, extended). After the end of the command it cancels the remaining vibration.
     ///
     /// No allocation. Cost: the horizon, 6 times the remaining ticks times the taps, and up to 60 corrections
     /// a mode, of at most 7 periods; most are discarded early.
@@ -55,8 +56,8 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         }
     }
 
-    /// Makes the correction under way anew for another plan, or keeps it where it leaves less vibration: with the
-    /// new plan the old one may leave some, or exceed the limits.
+    /// Computes the correction under way again for another plan, or keeps it if it leaves less vibration: with
+    /// the new plan the old one may leave some, or exceed the limits.
     ///
     /// # Errors
     /// [`Refusal::Limits`] where the new plan keeps the limits with no correction, and what else

@@ -14,7 +14,7 @@ pub struct Retune<'a> {
     /// Gain below which nothing is changed: the vibration taken away, as a fraction (RMS over the rest of the move
     /// and its decay) of that of the planned input.
     pub dead_band: f64,
-    /// Amplitude of a vibration that cannot be told from none, in units of the position.
+    /// Amplitude below which a vibration is not measurable, in units of the position.
     pub resolution: f64,
 }
 

@@ -1,11 +1,11 @@
-//! A mode and how well it is known.
+//! A mode with its uncertainty.
 
 use crate::Mode;
 
 /// 95 % of a Gaussian lie within two standard deviations.
 pub(crate) const WITHIN: f64 = 2.0;
 
-/// A mode and how well it is known: independent Gaussian errors.
+/// A mode with its uncertainty: independent Gaussian errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UncertainMode {
     /// The estimate.

@@ -1,4 +1,4 @@
-//! The vibration that a command makes from now on, beside the deformation that its acceleration forces.
+//! The vibration of a command from now on, without the deformation that its acceleration forces.
 //!
 //! A command of velocity `v` and acceleration `a` forces `phi = sum du_k exp(lambda tau_k)` to
 //!
@@ -23,7 +23,7 @@ const STRIDES: f64 = 32.0;
 pub(crate) const BINS: usize = 48;
 /// Quarter periods of the longest correction.
 const LONGEST: usize = CORRECTION_STEPS + 3;
-/// Periods for which a vibration counts at most: one without damping would never end.
+/// Longest time, in periods, for which a vibration counts: without damping it would never end.
 const RINGS: f64 = 20.0;
 
 /// The setpoint of a tick, and how much of its acceleration is planned.
@@ -160,8 +160,8 @@ impl Meter {
         }
     }
 
-    /// Of a command that comes to rest after `rest` ticks, and of its decay. What rings on is followed as long as any
-    /// correction lasts.
+    /// The profile of a command that comes to rest after `rest` ticks, and of its decay, which is followed as
+    /// long as any correction lasts.
     pub fn profile(
         &self,
         state: ModalState,

@@ -1,4 +1,4 @@
-//! Answers of a batch, in short.
+//! Short forms of the answers of a batch.
 
 use serde_json::Value;
 use std::path::Path;
@@ -9,7 +9,7 @@ use crate::batch::{Answer, BatchError, REPORT};
 use crate::diagnosis::Verdict;
 use crate::effects::Catalogue;
 
-/// The line of an answer in an overview, and its report where it lies in a folder beside the overview.
+/// The line of an answer in an overview, with its report if it is in a folder beside the overview.
 pub fn line(answer: &Answer, folder: Option<&Path>) -> Line {
     let name = folder.and_then(Path::file_name);
     let report = folder.is_some_and(|folder| folder.join(REPORT).is_file());
@@ -26,7 +26,7 @@ pub fn line(answer: &Answer, folder: Option<&Path>) -> Line {
     }
 }
 
-/// What a diagnosis says, as the version that wrote it lays it out.
+/// The content of a diagnosis, read from the document of whichever version wrote it.
 fn told_of(diagnosis: &Value) -> Result<Told, String> {
     let text = |key: &str| {
         diagnosis
@@ -55,12 +55,12 @@ fn told_of(diagnosis: &Value) -> Result<Told, String> {
     })
 }
 
-/// How many were set aside.
+/// Number of recordings that were set aside.
 pub fn set_aside(lines: &[Line]) -> usize {
     lines.iter().filter(|line| line.told.is_err()).count()
 }
 
-/// How many say nothing of the model: neither healthy nor ill.
+/// Number of diagnoses without a statement on the model.
 pub fn silent(lines: &[Line]) -> usize {
     let silent = |told: &Told| told.verdict == Verdict::NotExcited;
     lines
@@ -69,7 +69,7 @@ pub fn silent(lines: &[Line]) -> usize {
         .count()
 }
 
-/// An error of the user's is bad input, one of the system's a failure.
+/// The error of the command line: the user's errors are bad input, the system's a failure.
 pub fn told(error: BatchError) -> CliError {
     match error {
         BatchError::Recording(error) => error.into(),

@@ -38,7 +38,7 @@ pub fn kinds() -> impl TypedValueParser<Value = Kind> {
     PossibleValuesParser::new(Kind::ALL.map(choice)).try_map(|name| name.parse::<Kind>())
 }
 
-/// Where a damper can sit.
+/// The possible places of a damper.
 pub fn dampings() -> impl TypedValueParser<Value = Damping> {
     let choices = [
         PossibleValue::new("across_joint").help("between motor side and link"),

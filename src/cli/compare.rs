@@ -1,5 +1,5 @@
-//! `quell compare`: what each shaper leaves of a robot's vibration when its frequency is believed
-//! wrongly, and which one to take.
+//! `quell compare`: the residual vibration of each shaper when a robot's frequency is wrongly known, and a
+//! recommendation.
 
 mod candidate;
 mod choice;
@@ -21,9 +21,9 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use trial::{Simulated, Trial};
 
-/// Frequency errors of the table.
+/// Frequency errors in the table.
 const ERRORS: [f64; 5] = [-0.25, -0.10, 0.0, 0.10, 0.25];
-/// The file that is written.
+/// Name of the report.
 const REPORT: &str = "compare.html";
 /// Points of a curve on either side of no error.
 const POINTS: usize = 60;
@@ -98,21 +98,21 @@ impl Args {
     }
 }
 
-/// Two standard deviations below the frequency there must be a frequency left.
+/// The standard deviation of a frequency: two of them below it a positive frequency must remain.
 fn deviation(text: &str) -> Result<f64, String> {
     let percent = values::below_100_percent(text).ok();
     let percent = percent.filter(|percent| *percent < 50.0);
     percent.ok_or_else(|| "it is not a percentage from 0 to below 50".into())
 }
 
-/// A damping ratio lies between 0 and 1, so its standard deviation is below 1.
+/// The standard deviation of a damping ratio, below 1 as the ratio itself.
 fn damping_deviation(text: &str) -> Result<f64, String> {
     let ratio = values::not_negative(text).ok();
     let ratio = ratio.filter(|ratio| *ratio < 1.0);
     ratio.ok_or_else(|| "it is not a ratio from 0 to below 1".into())
 }
 
-/// The shapers that are compared, and the modes that they are compared for.
+/// The compared shapers, and the modes that they are compared for.
 struct Comparison {
     machine: String,
     modes: Vec<Mode>,
@@ -146,7 +146,7 @@ impl Comparison {
     }
 }
 
-/// The text where nothing can be recommended.
+/// The text for an empty recommendation.
 const NO_CHOICE: &str = "none; no shaper fits into the delay that is allowed.";
 
 /// Runs the verb.
@@ -175,7 +175,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
     ))
 }
 
-/// The next command: the recommended shaper's train; nothing where none is recommended.
+/// The next command: the recommended shaper's train; empty without a recommendation.
 fn next_command(comparison: &Comparison) -> String {
     let Some(choice) = comparison.choice() else {
         return String::new();
@@ -227,7 +227,7 @@ fn compare(args: &Args) -> Result<Comparison, CliError> {
     })
 }
 
-/// The modes that are shaped for, and the joint (counted from 0) whose they are.
+/// The modes to shape for, and their joint, counted from 0.
 fn modes(args: &Args, robot: &Robot) -> Result<(Option<usize>, Vec<Mode>), CliError> {
     let modes = args.modes.modes()?;
     if !modes.is_empty() {
@@ -244,7 +244,7 @@ fn modes(args: &Args, robot: &Robot) -> Result<(Option<usize>, Vec<Mode>), CliEr
     Ok((Some(joint), modes))
 }
 
-/// Makes the robot's move with each shaper at each of [`ERRORS`], and gives the unshaped one.
+/// Simulates the robot's move with each shaper at each of [`ERRORS`]; returns the unshaped move.
 fn simulate(
     robot: &Robot,
     joint: usize,

@@ -1,4 +1,4 @@
-//! `quell completions`: what a shell completes behind `quell`.
+//! `quell completions`: completions of `quell` for a shell.
 
 use super::{CliError, command, output};
 use clap_complete::Shell;

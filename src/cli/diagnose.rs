@@ -1,4 +1,4 @@
-//! `quell diagnose`: what physics a model lacks, from what was recorded.
+//! `quell diagnose`: finds the physics that a model lacks, from recordings.
 
 mod batch;
 mod help;
@@ -19,7 +19,7 @@ use help::HELP;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// The files that are written; the last has the physics in it.
+/// The written files; the last one is the model with the physics.
 const FILES: [&str; 3] = ["report.html", "diagnosis.json", "model.toml"];
 /// Gravity of a robot that stands upright: the standard acceleration of free fall, m/s^2.
 const EARTH: [f64; 3] = [0.0, 0.0, -9.80665];
@@ -77,7 +77,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// The model's file; only with --robot it need not be given.
+    /// The model's file, which may be absent only with --robot.
     fn model(&self) -> &Path {
         self.model.as_deref().unwrap_or(Path::new(""))
     }
@@ -102,7 +102,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// Says yes once so much time has passed.
+/// A stop that asks for the end once this time has passed.
 fn after(limit: Duration) -> Stop {
     let start = Instant::now();
     Stop::when(move || start.elapsed() > limit)
@@ -158,8 +158,8 @@ pub fn run(args: Args) -> Result<(), CliError> {
     told(&outcome.diagnosis)
 }
 
-/// The next command: to diagnose again with what is to be recorded, where that is told; else to judge the model that was
-/// written by another recording.
+/// The next command. It diagnoses again with the recording that the diagnosis proposes, if it proposes one;
+/// otherwise it scores the written model on another recording.
 fn next_command(args: &Args, diagnosis: &Diagnosis) -> String {
     if diagnosis.next_move.is_none() {
         let model = args.out.join(FILES[2]);
@@ -179,7 +179,7 @@ fn next_command(args: &Args, diagnosis: &Diagnosis) -> String {
     )
 }
 
-/// Refuses a recording that says nothing of the model: a script that asks for health must not take it for that.
+/// Refuses a recording without a statement on the model: a script must not take it for a healthy model.
 fn told(diagnosis: &Diagnosis) -> Result<(), CliError> {
     match diagnosis.verdict {
         Verdict::NotExcited => {
@@ -193,7 +193,7 @@ fn told(diagnosis: &Diagnosis) -> Result<(), CliError> {
     }
 }
 
-/// Runs `work` with so many threads.
+/// Runs `work` with this number of threads.
 fn on_threads<T: Send>(jobs: Option<u16>, work: impl FnOnce() -> T + Send) -> Result<T, CliError> {
     let Some(jobs) = jobs else {
         return Ok(work());

@@ -1,4 +1,4 @@
-//! `quell doctor`: what this build and this machine offer.
+//! `quell doctor`: features of this build and this machine.
 
 mod lateness;
 
@@ -56,7 +56,7 @@ const fn feature(name: &'static str, built: bool, what: &'static str) -> Feature
     Feature { name, built, what }
 }
 
-/// All that is told.
+/// The whole report.
 #[derive(Serialize)]
 struct Report {
     version: &'static str,
@@ -65,7 +65,7 @@ struct Report {
     tick: Tick,
 }
 
-/// What the system says of itself; none where it does not say.
+/// The system's description of itself; an entry is absent if the system does not give it.
 #[derive(Serialize)]
 struct Machine {
     cores: Option<usize>,
@@ -75,7 +75,7 @@ struct Machine {
     governor: Option<String>,
 }
 
-/// What was asked for (nothing where the service is not built in), and how late a bare loop is then.
+/// The requested rights (empty without the service in the build), and the lateness of a bare loop with them.
 #[derive(Serialize)]
 struct Tick {
     real_time_priority: Option<bool>,
@@ -115,7 +115,7 @@ fn machine() -> Machine {
     }
 }
 
-/// On a thread of its own, as the tick is.
+/// Measures on a separate thread, as the tick has one.
 fn tick() -> Result<Tick, CliError> {
     let tried = || {
         let [real_time_priority, memory_locked] = rights();
@@ -135,13 +135,13 @@ fn tick() -> Result<Tick, CliError> {
 fn rights() -> [Option<bool>; 2] {
     use crate::service::tick::real_time;
     use tracing::subscriber::{NoSubscriber, with_default};
-    // What is refused stands in the table, and need not be told in the log as well.
+    // A refused right is in the table, and the log need not repeat it.
     with_default(NoSubscriber::default(), || {
         [real_time::raise_priority(), real_time::lock_memory()].map(Some)
     })
 }
 
-/// There is no tick in this build that would ask for them.
+/// This build has no tick that would ask for them.
 #[cfg(not(feature = "serve"))]
 fn rights() -> [Option<bool>; 2] {
     [None; 2]
@@ -180,7 +180,7 @@ fn text(report: &Report) -> String {
     text + "\n" + &next::command(["move"])
 }
 
-/// A name and what is said of it.
+/// A name and its description.
 fn line(name: &str, what: &str) -> String {
     format!("  {name:22}{what}\n")
 }
@@ -191,7 +191,7 @@ impl Tick {
     }
 }
 
-/// What to do where a right is missing.
+/// Advice for a missing right.
 const ADVICE: &str = "\n\
 The system refused a right that the tick of `quell serve` asks for. It runs without, and can come late when the\n\
 machine is busy. For a robot give the user `rtprio 80` and `memlock unlimited` in /etc/security/limits.conf, or run\n\

@@ -7,7 +7,7 @@ use crate::plant::{ModeOfJoint, Robot};
 /// at 250 Hz, 80 MB a column, some ten seconds of work.
 const MOST_STEPS: f64 = 5e6;
 
-/// Refuses what would fill the memory or take for ever.
+/// Refuses a simulation that would fill the memory or take far too long.
 ///
 /// The integration takes a step for each radian of the fastest part of the chain.
 ///

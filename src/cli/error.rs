@@ -5,7 +5,7 @@ use std::error::Error;
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
 
-/// Why a verb could not do its work.
+/// Reason why a verb could not do its work.
 ///
 /// Bad input leaves with exit code 2, any other failure with 1; output into a pipe that nobody
 /// reads any more is no failure and leaves quietly with 0.
@@ -19,7 +19,7 @@ pub enum CliError {
     BrokenPipe,
 }
 
-/// One readable message: what went wrong, what it came from, and what would help.
+/// One readable message: the error, its causes, and advice.
 #[derive(Debug)]
 pub struct Message {
     text: String,
@@ -28,12 +28,12 @@ pub struct Message {
 }
 
 impl CliError {
-    /// Bad input, told by an error of the room that refused it (its sources are printed too).
+    /// Bad input, described by the error of the module that refused it (its sources are printed too).
     pub fn input(error: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
         Self::Input(Message::new(error.into()))
     }
 
-    /// A failure that is not the input's fault.
+    /// A failure that the input did not cause.
     pub fn failure(error: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
         Self::Failure(Message::new(error.into()))
     }
@@ -68,7 +68,7 @@ impl CliError {
         }
     }
 
-    /// The error as it is printed where stderr is no terminal: what is wrong, what caused it, what would help.
+    /// The error as printed if stderr is no terminal: the error, its causes, the advice.
     pub fn told(&self) -> String {
         match self {
             Self::Input(message) | Self::Failure(message) => message.plain(),
@@ -76,8 +76,7 @@ impl CliError {
         }
     }
 
-    /// Prints the error on stderr, drawn on a terminal and plain elsewhere, and gives the exit
-    /// code.
+    /// Prints the error on stderr, drawn on a terminal and plain elsewhere, and returns the exit code.
     pub fn report(self) -> u8 {
         let code = self.exit_code();
         let message = match self {
@@ -85,7 +84,7 @@ impl CliError {
             Self::BrokenPipe => return code,
         };
         let mut stderr = io::stderr();
-        // Nothing is left to tell, and nobody to tell it to, when stderr is closed as well.
+        // If stderr is closed as well, the message cannot reach anybody.
         let _ = if stderr.is_terminal() {
             writeln!(stderr, "{:?}", miette::Report::new(message))
         } else {
@@ -95,8 +94,8 @@ impl CliError {
     }
 }
 
-/// A recording that was refused is bad input; where one could not be written, say
-/// `map_err(CliError::failure)` instead.
+/// A refused recording is bad input; for a recording that could not be written use `map_err(CliError::failure)`
+/// instead.
 impl From<RecordingError> for CliError {
     fn from(error: RecordingError) -> Self {
         let help = match &error.problem {
@@ -171,7 +170,7 @@ impl Message {
         let mut text = format!("error: {}\n", self.text);
         let mut source = Error::source(self);
         while let Some(error) = source {
-            // Some errors say what their source says already.
+            // Some errors repeat the text of their source.
             let cause = error.to_string();
             if !text.contains(&cause) {
                 text.push_str(&format!("  caused by: {cause}\n"));

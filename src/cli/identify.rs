@@ -1,4 +1,4 @@
-//! `quell identify`: every estimator over a recording, and the off-line references beside them.
+//! `quell identify`: every estimator on a recording, with the off-line references for comparison.
 
 mod alone;
 mod alone_page;
@@ -74,14 +74,14 @@ pub struct Args {
     force: Force,
 }
 
-/// The page that is written.
+/// Name of the report.
 const REPORT: &str = "identify.html";
-/// The model that is written beside it.
+/// Name of the model beside it.
 const MODEL: &str = "model.toml";
-/// Its name where the folder has a model.toml that is not of this verb.
+/// Name of the model if the folder has a model.toml that this verb did not write.
 const IDENTIFIED: &str = "identified.toml";
 
-/// All that is told.
+/// All findings for a joint with a known input.
 struct Findings {
     recording: String,
     series: Series,
@@ -109,7 +109,7 @@ impl From<IdentificationError> for CliError {
 pub fn run(args: Args) -> Result<(), CliError> {
     let reads: Vec<&Path> = args.model.as_deref().into_iter().collect();
     let open = |names: &[&str]| Out::open(&args.out, ("identify", args.force), &reads, names);
-    // Another verb's model.toml, or the one that is read, stays.
+    // A model.toml of another verb, or the one that is read, is not replaced.
     let (out, model_file) = match open(&[REPORT, MODEL]) {
         Ok(out) => (out, MODEL),
         Err(_) => (open(&[REPORT, IDENTIFIED])?, IDENTIFIED),
@@ -141,7 +141,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
 }
 
 impl Findings {
-    /// Of a recording with a known input.
+    /// The findings for a recording with a known input.
     fn of(
         recording: Recording,
         model: Option<&NominalModel>,
@@ -193,7 +193,7 @@ fn tables(findings: &Findings) -> String {
     )
 }
 
-/// The estimates of every estimator, over the run that is quoted of it.
+/// The estimates of every estimator, over its reported run.
 fn on_line(found: &Identification) -> String {
     let best = found.recommended();
     let figure = |value: Option<f64>, digits: usize| {

@@ -1,4 +1,4 @@
-//! `quell inspect`: what a recording holds and what looks wrong with it.
+//! `quell inspect`: the content of a recording, and suspicious parts of it.
 
 mod propose;
 mod topics;
@@ -64,7 +64,8 @@ pub fn run(args: Args) -> Result<(), CliError> {
     }
 }
 
-/// What can be done with a recording of this path: its mode, where it tells one; else what physics a model of it lacks.
+/// The next command for a recording of this path: to identify its mode if the recording allows it; otherwise to
+/// diagnose a model with it.
 fn follows<'a>(recording: &Recording, path: &'a OsStr) -> Vec<&'a OsStr> {
     match identify::can(recording) {
         true => vec!["identify".as_ref(), path],
@@ -77,7 +78,7 @@ fn follows<'a>(recording: &Recording, path: &'a OsStr) -> Vec<&'a OsStr> {
     }
 }
 
-/// The manifests that are proposed for CSV files, and what is in the first of them.
+/// The manifests proposed for CSV files, with the content of the first.
 fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
     let written = propose::write(path, args.force)?;
     let Some((manifest, _)) = written.manifests.first() else {
@@ -113,7 +114,7 @@ fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
     }
 }
 
-/// The topics of an MCAP file, and the recording of the joint that is named or alone in it.
+/// The topics of an MCAP file, and the recording of the named joint, or of the only one.
 fn mcap((path, file): (&Path, &McapFile), joint: Option<&str>, json: bool) -> Result<(), CliError> {
     let mut text = topics::page(file);
     let mut all = topics::document(file);
@@ -205,7 +206,7 @@ fn value_rows<'a>(channel: &'a Channel, health: &'a Health) -> impl Iterator<Ite
         })
 }
 
-/// Six decimals, or the power of ten where those would fill the line.
+/// Six decimals, or scientific notation if those would fill the line.
 fn plain(value: f64) -> String {
     match value.abs() < 1e9 {
         true => format!("{value:.6}"),
@@ -222,7 +223,7 @@ fn column_names(channel: &Channel) -> Vec<String> {
     }
 }
 
-/// A word where the channels have no time in common.
+/// A remark if the channels have no time in common.
 fn overlap(recording: &Recording) -> Option<String> {
     let starts = recording
         .channels

@@ -6,9 +6,9 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
-/// Starts the log: `QUELL_LOG` (a filter such as `quell=debug`) where it is set and can be read,
-/// else warnings only, `-v` for what is done, `-vv` for details, `-vvv` for everything, `-q` for errors alone. In
-/// colours on a terminal, unless `NO_COLOR` is set.
+/// Starts the log. The filter is `QUELL_LOG` (such as `quell=debug`) if it is set and valid. Otherwise:
+/// warnings by default, `-v` for each action, `-vv` for details, `-vvv` for everything, `-q` for errors alone.
+/// In colours on a terminal, unless `NO_COLOR` is set.
 pub fn start(verbose: u8, quiet: bool) {
     let level = match verbose {
         _ if quiet => LevelFilter::ERROR,
@@ -21,8 +21,8 @@ pub fn start(verbose: u8, quiet: bool) {
     let wanted = std::env::var("QUELL_LOG").ok();
     let wanted = wanted.and_then(|filter| filter.parse::<Targets>().ok());
     let filter = wanted.unwrap_or_else(|| Targets::new().with_default(level));
-    // Where the log cannot be written (a full disk), its loss must not end what is logged: the subscriber would print
-    // of its own failure, and panic where that fails, too.
+    // A log that cannot be written (a full disk) must not end the logged work: by default the subscriber would
+    // print its own failure, and panic if that fails, too.
     let lines = tracing_subscriber::fmt::layer()
         .log_internal_errors(false)
         .with_ansi(io::stderr().is_terminal() && !no_colour())

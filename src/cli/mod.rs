@@ -1,9 +1,9 @@
 //! The command line: `quell <verb>`, one file a verb.
 //!
 //! A verb is a file with `#[derive(clap::Args)] pub struct Args` and
-//! `pub fn run(args: Args) -> Result<(), CliError>`, plus one line in each of `Verb` and
-//! `Verb::run`. What it prints goes through [`output`], so that a closed pipe ends it quietly;
-//! what it writes goes through [`out`], so that nothing of a user's is written over.
+//! `pub fn run(args: Args) -> Result<(), CliError>`, plus one line in each of `Verb` and `Verb::run`. It prints
+//! through [`output`], so that a closed pipe ends it quietly. It writes through [`out`], so that no file of the
+//! user's is overwritten.
 
 pub mod answers;
 pub mod choices;
@@ -117,18 +117,18 @@ impl Verb {
     }
 }
 
-/// The whole command line, as completions, the manual page and the reference of the book read it.
+/// The whole command line, as used by completions, the manual page and the reference of the book.
 pub fn command() -> clap::Command {
     Cli::command()
 }
 
-/// Runs the command that the process was started with; the whole of `main`.
+/// Runs the command of the process; the whole of `main`.
 pub fn main() -> ExitCode {
     main_from(std::env::args_os()).into()
 }
 
-/// Runs a command, the name of the program first, and gives its exit code. Arguments that cannot be read, and the
-/// help, end the process.
+/// Runs a command, whose first word is the name of the program, and returns its exit code. Invalid arguments
+/// and the help end the process.
 pub fn main_from(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let Cli {
         verbose,

@@ -1,4 +1,4 @@
-//! The modes that a shaper is for: typed, of a model, or of a recording.
+//! The modes for a shaper: typed, from a model, or from a recording.
 
 use super::identify::Identified;
 use super::{CliError, values};
@@ -25,10 +25,10 @@ pub struct ModeArgs {
 }
 
 impl ModeArgs {
-    /// The modes; none where nothing is said of them.
+    /// The modes; empty if the arguments name no source of them.
     ///
     /// # Errors
-    /// [`CliError::Input`] where model or recording is refused, or tells no mode.
+    /// [`CliError::Input`] where model or recording is refused, or gives no mode.
     pub fn modes(&self) -> Result<Vec<Mode>, CliError> {
         if let Some(file) = &self.model {
             return Ok(vec![NominalModel::from_path(file)?.mode]);

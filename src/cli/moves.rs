@@ -130,10 +130,10 @@ pub fn run(args: Args) -> Result<(), CliError> {
     output::text(&format!("\nReport: {}\n{next}", report.display()))
 }
 
-/// How far from its target a command that has ended may stand, rad: rounding.
+/// Largest distance of an ended command from its target, rad: rounding.
 const AT_TARGET: f64 = 1e-9;
 
-/// Refuses a move that was cut off: its residual would say nothing.
+/// Refuses a move that was cut off: its residual would be meaningless.
 fn finished(name: &str, trace: &MoveTrace) -> Result<(), CliError> {
     if trace.final_error() <= AT_TARGET {
         return Ok(());
@@ -144,7 +144,7 @@ fn finished(name: &str, trace: &MoveTrace) -> Result<(), CliError> {
         .with_help("a shorter --target, higher limits, or a --belief of a higher frequency"))
 }
 
-/// The three cells do not know each other: they run side by side.
+/// Runs the three control cells side by side, as they are independent.
 fn side_by_side(scenario: &Scenario, tolerance: Option<Tolerance>) -> Result<Comparison, CliError> {
     let (unshaped, (wrong_belief, adaptive)) = rayon::join(
         || named(scenario.shaper, || scenario.unshaped()),

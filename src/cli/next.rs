@@ -1,15 +1,15 @@
-//! The last line of a verb: the command to run next, as it is typed.
+//! The last line of a verb: the command to run next, ready to be typed.
 
 use quell_shapers::Mode;
 use std::ffi::OsStr;
 use std::fmt::Write;
 
-/// `Next: quell ...` and a line end. What a shell would take apart is quoted.
+/// `Next: quell ...` and a line end. Words that a shell would split are quoted.
 pub fn command<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> String {
     line("Next", words)
 }
 
-/// The same after something else that is to be done first: `Then: quell ...`.
+/// The same after a step that comes first: `Then: quell ...`.
 pub fn then<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> String {
     line("Then", words)
 }
@@ -30,7 +30,7 @@ fn line<W: AsRef<OsStr>>(word: &str, words: impl IntoIterator<Item = W>) -> Stri
     line + "\n"
 }
 
-/// The word, between quotes where a shell would not take it as it is.
+/// The word, quoted if a shell would not take it literally.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "_-./,:=+@%".contains(c);
     match !word.is_empty() && word.chars().all(plain) {

@@ -1,9 +1,8 @@
-//! The folder of `--out`: a verb replaces nothing there but what it wrote itself.
+//! The folder of `--out`: a verb replaces only files that it wrote itself.
 //!
-//! A verb says at its start which files it will write ([`Out::open`]), and is refused before it works. It
-//! writes into a hidden folder of its own ([`Stage`]); at the end whole files are moved to their places. A
-//! list beside them says which verb wrote which file, and its hash: a file that was changed since is the
-//! user's.
+//! A verb declares at its start which files it will write ([`Out::open`]), and is refused before it works. It
+//! writes into its own hidden folder ([`Stage`]); at the end whole files are moved to their places. A list
+//! beside them records for each file its verb and its hash: a file that has changed since belongs to the user.
 
 mod ledger;
 
@@ -50,7 +49,7 @@ pub struct Out {
 }
 
 impl Out {
-    /// The folder, for files of these names, by a verb that reads these other files. Nothing is made yet.
+    /// The folder, for files of these names, by a verb that reads these other files. Nothing is created yet.
     ///
     /// # Errors
     /// [`CliError::Input`] where it is no folder, or one of the files must not be replaced.
@@ -80,7 +79,7 @@ impl Out {
         Ok(out)
     }
 
-    /// A hidden folder within, for what is not whole yet; it is gone again where it is dropped.
+    /// A hidden folder within it for unfinished files, removed when it is dropped.
     ///
     /// # Errors
     /// [`CliError::Input`] where the folder cannot be made.
@@ -129,14 +128,14 @@ impl Out {
     }
 }
 
-/// Files of a verb that are not in their places yet.
+/// Files of a verb before they are moved to their places.
 pub struct Stage<'a> {
     out: &'a Out,
     folder: TempDir,
 }
 
 impl Stage<'_> {
-    /// Where to write them, by the names that they are to have.
+    /// The folder to write them into, under their final names.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }
@@ -175,7 +174,7 @@ impl Stage<'_> {
     }
 }
 
-/// Names of all files below a folder, from there.
+/// Names of all files below a folder, relative to it.
 fn files_below(folder: &Path, within: &Path) -> Result<Vec<PathBuf>, CliError> {
     let here = folder.join(within);
     let mut names = Vec::new();
@@ -191,7 +190,7 @@ fn files_below(folder: &Path, within: &Path) -> Result<Vec<PathBuf>, CliError> {
     Ok(names)
 }
 
-/// The file itself, whatever name leads to it; nothing where it is not there.
+/// The canonical path of a file; `None` if it does not exist.
 fn real(path: &Path) -> Option<PathBuf> {
     path.canonicalize().ok()
 }

@@ -1,20 +1,20 @@
-//! One table over several diagnoses, of the joints of a robot or of the recordings of a batch: the worst first.
+//! A table over several diagnoses, of a robot's joints or a batch's recordings, with the worst first.
 
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::effects::Catalogue;
 use crate::page::{self, Cell, Table, columns, number};
 
-/// One diagnosis of several, or why there is none.
+/// One diagnosis of several, or the reason why it is absent.
 pub struct Line {
     /// The joint or the recording.
     pub name: String,
-    /// Its report, from the page; none where it has none.
+    /// Link from the page to its report; `None` without one.
     pub report: Option<String>,
-    /// What was found; in words why there is no diagnosis.
+    /// The result, or the reason for no diagnosis in words.
     pub told: Result<Told, String>,
 }
 
-/// What a diagnosis says, in short.
+/// A diagnosis in short.
 pub struct Told {
     /// Its verdict.
     pub verdict: Verdict,
@@ -22,14 +22,14 @@ pub struct Told {
     pub summary: String,
     /// Titles of the physics that is missing.
     pub missing: Vec<String>,
-    /// The misfit of the model as it was believed, its parameters refitted, over the noise; NaN where it is not known.
+    /// The misfit of the model as given, with its parameters refitted, over the noise; NaN if it is not known.
     pub before: f64,
-    /// The same with what was found.
+    /// The same with the findings.
     pub after: f64,
 }
 
 impl Told {
-    /// Of a diagnosis.
+    /// The short form of a diagnosis.
     pub fn of(diagnosis: &Diagnosis) -> Self {
         let titles = diagnosis
             .findings
@@ -44,12 +44,12 @@ impl Told {
         }
     }
 
-    /// Whether it says nothing of the model: its misfit is none.
+    /// Whether it has no statement on the model, whose misfit then has no meaning.
     fn is_silent(&self) -> bool {
         self.verdict == Verdict::NotExcited
     }
 
-    /// What is missing; the answer where that is not it.
+    /// The missing physics, or the answer without any.
     fn found(&self) -> String {
         match self.missing.is_empty() {
             true => self.summary.clone(),
@@ -64,9 +64,9 @@ impl Told {
 
 /// Several diagnoses.
 pub struct Overview {
-    /// What each is of: `joint`, `recording`.
+    /// The kind of its items: `joint`, `recording`.
     noun: &'static str,
-    /// The largest misfit first, then those that say nothing, and those without a diagnosis last.
+    /// Largest misfit first, then those without a statement on the model, and last those without a diagnosis.
     pub lines: Vec<Line>,
 }
 
@@ -124,7 +124,7 @@ impl Overview {
         (verdict, sentence)
     }
 
-    /// The table for a terminal, and below it why what has no diagnosis has none.
+    /// The table for a terminal, followed by the reasons for missing diagnoses.
     pub fn text(&self) -> String {
         let header = [self.noun, "verdict", "missing", "misfit", "with it"];
         let dash = || "-".to_string();
@@ -199,7 +199,7 @@ impl Overview {
 /// Names in the answer for all; the table has the rest.
 const LISTED: usize = 5;
 
-/// The word with a capital.
+/// The word with a capital letter.
 fn capital(word: &str) -> String {
     let mut letters = word.chars();
     letters.next().map_or(String::new(), |first| {

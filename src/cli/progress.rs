@@ -1,4 +1,4 @@
-//! How far a verb is: a bar on stderr where that is a terminal, and elsewhere a line every few seconds.
+//! Progress of a verb: a bar on stderr if that is a terminal, otherwise a line every few seconds.
 
 use super::CliError;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -11,23 +11,23 @@ use std::time::Duration;
 /// Time between two lines.
 const LINES: Duration = Duration::from_secs(5);
 
-/// Whether nothing is told, as the user wishes.
+/// Whether the user wants no progress.
 static SILENT: AtomicBool = AtomicBool::new(false);
 
-/// Says whether the user wants to be told nothing.
+/// Sets whether the user wants no progress.
 pub fn silence(silent: bool) {
     SILENT.store(silent, Ordering::Relaxed);
 }
 
-/// Tells it until it is dropped.
+/// Shows the progress until it is dropped.
 pub struct Progress {
     bar: ProgressBar,
-    /// Closed where no more lines are to be written.
+    /// Closed to end the lines.
     teller: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl Progress {
-    /// Of so many steps, the bar drawn as a template of `indicatif` says.
+    /// Progress in this number of steps; the bar follows a template of `indicatif`.
     ///
     /// # Errors
     /// [`CliError`] for a template that cannot be read.
@@ -44,7 +44,7 @@ impl Progress {
             let own = bar.clone();
             let lines = move || {
                 while closed.recv_timeout(LINES) == Err(RecvTimeoutError::Timeout) {
-                    // Where stderr is closed there is nobody to tell.
+                    // If stderr is closed, nobody reads the lines.
                     let _ = writeln!(io::stderr(), "{}", line(&own));
                 }
             };
@@ -53,7 +53,7 @@ impl Progress {
         Ok(Self { bar, teller })
     }
 
-    /// So many steps are done, and this is being done.
+    /// Sets the number of finished steps, and the current activity.
     pub fn set(&self, done: u64, what: &str) {
         self.bar.set_position(done);
         self.bar.set_message(what.to_string());
@@ -75,7 +75,7 @@ impl Drop for Progress {
     }
 }
 
-/// How far a bar is, in words.
+/// The position of a bar, in words.
 fn line(bar: &ProgressBar) -> String {
     let share = bar.position() as f64 / bar.length().unwrap_or(1).max(1) as f64;
     words(share, bar.elapsed(), &bar.message())

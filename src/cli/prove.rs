@@ -1,4 +1,4 @@
-//! `quell prove`: the diagnosis on recordings in which something was hidden.
+//! `quell prove`: the diagnosis on recordings with a hidden effect.
 
 use super::out::{Force, Out, Stage};
 use super::progress::Progress;
@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The files that --out gets.
+/// The page of --out.
 const PAGE: &str = "proof.html";
 /// The same for programs.
 const DOCUMENT: &str = "proof.json";
@@ -98,7 +98,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
     output::text(&format!("{subtitle}\n\n{}\n{next}", score.to_text()))
 }
 
-/// The next command: to diagnose the first case by hand, where the cases are kept; else to keep them.
+/// The next command: to diagnose the first case by hand if the cases are kept; otherwise to keep them.
 fn next_command(args: &Args) -> String {
     let folder = args.keep.as_ref().or(args.from.as_ref());
     let Some(folder) = folder else {
@@ -124,7 +124,7 @@ fn diagnosed(
     Ok((score, subtitle))
 }
 
-/// One score of several, and a line that says so.
+/// One score from several, and a line about it.
 fn joined(files: &[PathBuf]) -> Result<(Score, String), CliError> {
     let read = |path: &PathBuf| {
         let wrong = |reason: String| CliError::input(format!("{}: {reason}", path.display()));
@@ -137,7 +137,7 @@ fn joined(files: &[PathBuf]) -> Result<(Score, String), CliError> {
     Ok((score, line))
 }
 
-/// Files of so many cases, but for the channels of their recordings.
+/// Files of this number of cases, without the channels of their recordings.
 fn kept(cases: u64) -> impl Iterator<Item = PathBuf> {
     let of = |number: u64| {
         let case = PathBuf::from(format!("case-{number:02}"));
@@ -148,7 +148,7 @@ fn kept(cases: u64) -> impl Iterator<Item = PathBuf> {
     std::iter::once(PathBuf::from("truth.json")).chain((0..cases).flat_map(of))
 }
 
-/// Where the cases come from, how many they are, and a line that says so.
+/// The source of the cases, their number, and a line about them.
 fn source(args: &Args, keep: Option<&Stage>) -> Result<(Source, u64, String), CliError> {
     if let Some(folder) = &args.from {
         let count = read_cases(folder).map_err(CliError::input)?.len() as u64;
@@ -185,7 +185,7 @@ fn verdict(path: &Path, train: &Recording, test: &Recording) -> Result<Verdict, 
     let outcome = diagnose(&model, train, &[], &Options::default(), &|_, _| {})
         .map_err(|error| error.to_string())?;
     let seconds = start.elapsed().as_secs_f64();
-    // What was said stands, whether the other moves can be scored or not.
+    // The verdict stands even if the other moves cannot be scored.
     let score = score(&outcome.model, test).map(|score| score.rms_over_noise);
     let unscored = |error| tracing::warn!(model = %path.display(), %error, "no score");
     Ok(Verdict {
@@ -195,7 +195,7 @@ fn verdict(path: &Path, train: &Recording, test: &Recording) -> Result<Verdict, 
     })
 }
 
-/// A parameter as the truth has it: a mode's frequency, which people are told in hertz, in rad/s.
+/// A parameter in the units of the truth: the frequency of a mode, displayed in hertz, in rad/s.
 fn in_si(parameter: &FittedParameter) -> ParameterSummary {
     let factor = match parameter.unit.as_str() {
         "Hz" => TAU,

@@ -1,4 +1,4 @@
-//! `quell results`: what came out of a queue.
+//! `quell results`: the results of a queue.
 
 use std::path::PathBuf;
 
@@ -64,7 +64,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
     ))
 }
 
-/// The next command: to do what is left, else to have the results as files.
+/// The next command: to work on the remaining recordings, or to get the results as files.
 fn next_command(args: &Args, left: u64) -> String {
     match (left, &args.out) {
         (0, None) => next::command(["results", "--queue", &args.queue, "--out", "out"]),

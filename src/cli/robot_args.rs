@@ -1,4 +1,4 @@
-//! The arguments that say which joint of which robot, and how its arm is simulated.
+//! Arguments for the joint, its robot, and the simulation of its arm.
 
 use std::path::{Path, PathBuf};
 
@@ -53,7 +53,7 @@ impl RobotArgs {
     }
 }
 
-/// The robot of a description; the embedded arm where none is given.
+/// The robot of a description; the embedded arm without one.
 ///
 /// # Errors
 /// [`CliError::Input`] with file, key and value.

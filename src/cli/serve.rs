@@ -55,7 +55,7 @@ pub struct Args {
     pub data: Option<PathBuf>,
 }
 
-/// All of them are taken: one that is not built in is refused in a sentence. It is not listed.
+/// All robots are accepted: one that is not in the build is refused later with a sentence. It is not listed.
 fn robots() -> impl clap::builder::TypedValueParser<Value = RobotKind> {
     use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
     let built = |kind: RobotKind| service::ZENOH || kind != RobotKind::Zenoh;
@@ -70,8 +70,8 @@ fn robots() -> impl clap::builder::TypedValueParser<Value = RobotKind> {
 /// Runs the verb, until it is told to end.
 ///
 /// # Errors
-/// [`CliError::Input`] where the configuration is refused; [`CliError::Failure`] where a socket, a
-/// thread or the data folder is not to be had.
+/// [`CliError::Input`] where the configuration is refused; [`CliError::Failure`] where a socket, a thread or
+/// the data folder is not available.
 pub fn run(args: Args) -> Result<(), CliError> {
     if args.print_config {
         return output::text(&listed());
@@ -94,11 +94,11 @@ pub fn run(args: Args) -> Result<(), CliError> {
 }
 
 async fn serve(config: Config, demo: bool) -> Result<(), CliError> {
-    // Before anything moves: a signal that comes meanwhile is not lost.
+    // Before any motion: no signal is lost in the meantime.
     let mut terminated = signal(SignalKind::terminate())?;
     let mut interrupted = signal(SignalKind::interrupt())?;
     let (robot, rate) = (config.robot, 1.0 / config.period);
-    // Before the ports, which another service on the same folder is likely to have taken, too.
+    // Before the ports, which another service on the same folder probably holds, too.
     let disk = Disk::of(&config.data, Arc::new(FileSystem));
     let disk = disk.map_err(CliError::failure)?;
     let listener = outside::listen(&config).await?;
@@ -126,7 +126,7 @@ async fn serve(config: Config, demo: bool) -> Result<(), CliError> {
         _ = interrupted.recv() => {}
     }
     output::text("quell: stopping\n")?;
-    // It waits for the robot to come to rest.
+    // The stop waits for the robot to come to rest.
     tokio::task::spawn_blocking(move || service.stop())
         .await
         .map_err(CliError::failure)?;

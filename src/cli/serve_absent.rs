@@ -10,7 +10,7 @@ pub struct Args {
     pub any: Vec<String>,
 }
 
-/// Says how to build it.
+/// Explains how to build it.
 ///
 /// # Errors
 /// Always [`CliError::Input`].

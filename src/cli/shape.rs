@@ -13,7 +13,7 @@ use quell_shapers::{
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Residual vibration at which the insensitivity is told.
+/// Residual vibration that defines the insensitivity.
 const TOLERANCE: f64 = 0.05;
 
 /// Designs a shaper for one mode or several, and shapes a command file with it.
@@ -103,7 +103,8 @@ pub fn run(args: Args) -> Result<(), CliError> {
     output::text(&format!("{page}\n{}", next_command(&design, &args)))
 }
 
-/// The next command: to shape a command file; of one that is shaped, to look at what the robot did with it.
+/// The next command: to shape a command file, or for a shaped file, to inspect the recorded response of the
+/// robot.
 fn next_command(design: &Design, args: &Args) -> String {
     if args.file.is_some() {
         let next = next::command(["inspect", "RECORDING.csv"]);
@@ -137,7 +138,7 @@ fn design(args: &Args) -> Result<Design, CliError> {
     })
 }
 
-/// The modes, as well as they are said to be known.
+/// The modes with their given uncertainty.
 fn known(args: &Args, modes: &[Mode]) -> Result<Vec<UncertainMode>, CliError> {
     let believed = modes.iter().copied().map(UncertainMode::believed);
     let Some(percent) = args.frequency_std else {
@@ -210,7 +211,7 @@ fn page(design: &Design) -> Result<String, CliError> {
     ))
 }
 
-/// The table of what the taps leave of each mode.
+/// The table of the residual vibration of each mode.
 fn modes(design: &Design) -> Result<String, CliError> {
     let mut rows = Vec::new();
     for &mode in &design.modes {

@@ -1,4 +1,4 @@
-//! Trains and moves as every verb makes them.
+//! Trains and moves, common to all verbs.
 
 use quell_shapers::{
     GridTrain, Setpoint, Shaper, ShaperError, ShapingFilter, UncertainMode, common_train,
@@ -10,7 +10,7 @@ use crate::closed_loop::ClosedLoopError;
 use crate::controller::{SlowedPlan, plan_shaped};
 use crate::tolerance::Tolerance;
 
-/// The longest train that is run, ticks: 48 MB of delay line, 17 minutes at 1 kHz.
+/// The longest allowed train, ticks: 48 MB of delay line, 17 minutes at 1 kHz.
 const LONGEST_TRAIN: usize = 1_000_000;
 
 /// Share of a limit by which a command at its limit may seem to exceed it: rounding of velocities and
@@ -19,9 +19,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// The shaper's train for all the modes at once, its taps on the controller's grid (period in s).
 ///
-/// # Errors
-/// [`ShaperError`] where it cannot be designed for one of the modes, or is longer than anything that
-/// a filter is made for.
+/// [`ShaperError`] where it cannot be designed for one of the modes, or is longer than any filter.
 pub fn train(
     shaper: &dyn Shaper,
     modes: impl IntoIterator<Item = UncertainMode>,
@@ -41,8 +39,8 @@ pub fn train(
     }
 }
 
-/// Columns through the train, each from rest at its first value, all lengthened until the last of
-/// them has come to its end.
+/// Shaped columns, each from rest at its first value, all lengthened until the last of them has come to its
+/// end.
 ///
 /// # Errors
 /// [`ShaperError`] where a filter cannot take the train.
@@ -91,7 +89,7 @@ pub fn plan(ends: [f64; 2], limits: Limits, train: &GridTrain) -> Result<SlowedP
     }
 }
 
-/// What a move may leave: a residual in percent, a deviation in millimetres; none where nothing is said.
+/// The tolerance of a move: a residual in percent, a deviation in millimetres; `None` without either.
 pub fn tolerance(residual: Option<f64>, deviation: Option<f64>) -> Option<Tolerance> {
     (residual.is_some() || deviation.is_some()).then_some(Tolerance {
         residual: residual.map(|percent| 1e-2 * percent),

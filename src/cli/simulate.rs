@@ -1,4 +1,5 @@
-//! `quell simulate`: moves, or a recorded command, through a robot's joint, written as a recording.
+//! `quell simulate`: the simulation of moves, or of a recorded command, with a robot's joint, written as a
+//! recording.
 
 mod document;
 mod limits;
@@ -157,7 +158,7 @@ pub fn run(args: Args) -> Result<(), CliError> {
     output::text(&document::text(&run))
 }
 
-/// Refuses to write over the recording that is read.
+/// Refuses to overwrite the recording that is read.
 fn apart(command: &Path, out: &Path) -> Result<(), CliError> {
     let folder = match command.is_dir() {
         true => Some(command),
@@ -176,7 +177,7 @@ fn apart(command: &Path, out: &Path) -> Result<(), CliError> {
     }
 }
 
-/// The folder, where recording and model may be written.
+/// The folder, if recording and model may be written there.
 fn folder(args: &Args, setup: &Setup) -> Result<Out, CliError> {
     let reads = [args.command.as_deref(), args.robot.robot.as_deref()];
     let reads: Vec<&Path> = reads.into_iter().flatten().collect();
@@ -184,7 +185,7 @@ fn folder(args: &Args, setup: &Setup) -> Result<Out, CliError> {
     Out::open(&args.out, ("simulate", args.force), &reads, names)
 }
 
-/// The model of the joint, as it is believed.
+/// File name of the joint's nominal model.
 const MODEL: &str = "model.toml";
 
 /// Writes recording and model; returns the files.

@@ -1,12 +1,12 @@
-//! Which column of a command's CSV file holds the time.
+//! The column of a command's CSV file with the time.
 
 use super::CliError;
 use crate::recording::Table;
 
-/// Names of a column with seconds that are recognised without being told.
+/// Names of a column with seconds that are recognised without `--time`.
 const TIME_NAMES: [&str; 4] = ["time_s", "t_s", "time", "t"];
 
-/// The column that `--time` names, or else one that is recognised by its name.
+/// The column of `--time`, or else one with a known name.
 ///
 /// # Errors
 /// [`CliError::Input`] where that column is one of those named by `--column`.

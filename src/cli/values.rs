@@ -33,7 +33,7 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
     checked(text, holds, "a finite number, 0 or more")
 }
 
-/// A percentage that leaves something of what it is taken from.
+/// A percentage below 100, so that a reduction by it leaves something.
 pub fn below_100_percent(text: &str) -> Result<f64, String> {
     let holds = |value: f64| (0.0..100.0).contains(&value);
     checked(text, holds, "a percentage from 0 to below 100")

@@ -1,4 +1,4 @@
-//! `quell work`: diagnoses what is in a queue.
+//! `quell work`: diagnoses the recordings in a queue.
 
 #[cfg(feature = "nats")]
 mod interrupts;
@@ -47,13 +47,13 @@ pub fn run(args: Args) -> Result<(), CliError> {
         drain: args.drain,
     };
     let ending = Arc::new(AtomicBool::new(false));
-    // Without NATS there is no queue, and this is not reached.
+    // Without NATS there is no queue, and this line is not reached.
     #[cfg(feature = "nats")]
     let _runtime = interrupts::watch(Arc::clone(&ending))?;
     work(&*queue, settings, &ending, &shown).map_err(told)
 }
 
-/// A line for each answer; work goes on where nobody reads them.
+/// Prints a line for each answer; a closed output does not end the work.
 fn shown(answer: &Answer) {
     let about = &answer.about;
     let verdict = answer.said("verdict").unwrap_or("set aside");

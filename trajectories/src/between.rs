@@ -3,8 +3,9 @@
 use crate::AxisState;
 
 impl AxisState {
-    /// Where a motion is at a `share` (0 to 1) of the `period` (s) that leads from here to another state: the polynomial of fifth order
-    /// that has position, velocity and acceleration of both at its ends. At 1 it is the second one to the bit.
+    /// The state at a `share` (0 to 1) of the `period` (s) between this state and another one: the polynomial
+    /// of fifth order with position, velocity and acceleration of both at its ends. At 1 it equals the second
+    /// one to the bit.
     ///
     /// Within a period the jerk of a plan may change its sign, and the polynomial then changes the acceleration over a period by up to
     /// 4 % more than the plan does. Source: Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, Springer

@@ -1,4 +1,4 @@
-//! Checks before Ruckig sees a problem: a wrong length makes it read past the end of a vector.
+//! Checks before Ruckig gets a problem: a wrong length makes it read past the end of a vector.
 
 use crate::{AxisState, Limits, PlanError, Planner};
 

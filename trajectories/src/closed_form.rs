@@ -1,9 +1,9 @@
 //! The phases of an axis in closed form.
 //!
-//! Ruckig's binding tells the duration and states at times, no phases. But nearly every profile is known once one
-//! number is: its cruise velocity, read from a state in the cruise, or the limit, or from the duration where there is
-//! no cruise. The duration, the target and the state that was seen are more than it takes, and so say whether the
-//! guess was right.
+//! Ruckig's binding gives the duration and states at given times, but no phases. Nearly every profile is
+//! determined by one number, its cruise velocity. It comes from a state in the cruise, from the limit, or from
+//! the duration if there is no cruise. Duration, target and the observed state are more than needed, and so
+//! verify the guess.
 //!
 //! Source: L. Berscheid, T. Kroeger, "Jerk-limited Real-time Trajectory Generation with Arbitrary
 //! Target States", Robotics: Science and Systems, 2021, for the profiles.

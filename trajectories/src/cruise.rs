@@ -1,7 +1,7 @@
 //! The usual move of an axis: a ramp to a cruise velocity, the cruise, a ramp to the target.
 //!
-//! Each ramp is the quickest to the cruise velocity `v_c` (jerk at its limit, acceleration up to its limit), and the
-//! cruise takes what the ramps leave of the duration, so that `v_c` says all.
+//! Each ramp is the fastest one to the cruise velocity `v_c` (jerk at its limit, acceleration up to its limit),
+//! and the cruise takes the rest of the duration, so that `v_c` determines everything.
 
 use crate::AxisState;
 use crate::closed_form::Known;

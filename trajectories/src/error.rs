@@ -1,4 +1,4 @@
-//! The faults of a move, told before it reaches Ruckig or by Ruckig itself.
+//! Errors of a move, found before Ruckig gets it or reported by Ruckig itself.
 
 use thiserror::Error;
 

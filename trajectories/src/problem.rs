@@ -1,4 +1,4 @@
-//! A checked problem, as Ruckig takes it and answers it.
+//! A checked problem in Ruckig's form, and its answer.
 
 use ruckig::{ControlInterface, InputParameter, Synchronization};
 

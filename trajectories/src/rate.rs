@@ -1,4 +1,4 @@
-//! A move that is run through at another rate: `x(s(t))`, on the same path, to the same end.
+//! A move at another rate: `x(s(t))`, on the same path, to the same end.
 //!
 //! With `x` the move and `r = s'` the rate the motion is
 //!
@@ -22,7 +22,7 @@ const FINER: f64 = 1.1;
 /// Rounding of velocities and accelerations by the planner, and of differences over one period.
 const ROUNDING: f64 = 1e-9;
 
-/// How far a move is run through, and how fast.
+/// Position and rate within a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// `s`: time in the move, s.
@@ -114,9 +114,9 @@ impl SampledTrajectory {
         })
     }
 
-    /// The rest of the move along a ramp, from its beginning to the first sample that is not before the end. `None` where it would
-    /// stand still on the way, would last longer than [`crate::MAX_SAMPLES`], or exceed `limits`, one of each axis, in velocity,
-    /// acceleration, or mean jerk from sample to sample. Allocates.
+    /// The rest of the move along a ramp, from its beginning to the first sample that is not before the end.
+    /// `None` if it would stop on the way, last longer than [`crate::MAX_SAMPLES`], or exceed `limits`, one for
+    /// each axis, in velocity, acceleration, or mean jerk from sample to sample. Allocates.
     pub fn at_rate(&self, ramp: &RateRamp, limits: &[Limits]) -> Option<Self> {
         let (period, end) = (self.period(), self.duration());
         let mut axes = vec![Vec::new(); self.degrees_of_freedom()];

@@ -1,4 +1,4 @@
-//! The phases of an axis recovered from its states alone, whatever they are.
+//! The phases of an axis, recovered from its states alone.
 
 use crate::{AxisProfile, AxisState, Phase};
 

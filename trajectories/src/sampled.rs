@@ -74,8 +74,8 @@ impl SampledTrajectory {
         }
     }
 
-    /// The first samples of this move, up to and with a tick, and then another one, whose first sample that tick is. Both have the
-    /// same axes and period.
+    /// The first samples of this move, up to and including a tick, followed by another move whose first sample
+    /// is that tick. Both have the same axes and period.
     pub fn then(&self, tick: usize, next: &Self) -> Self {
         let axes = 0..self.degrees_of_freedom;
         let states = axes.flat_map(|axis| {

@@ -8,8 +8,8 @@ use crate::MAX_DEGREES_OF_FREEDOM;
 
 /// The objects of Ruckig for a number of axes.
 ///
-/// To make it takes as long as to plan a move of one axis. Each problem sets all of the input that this crate uses,
-/// and Ruckig derives all else from it: what was planned before changes nothing.
+/// Creating it takes as long as planning a move of one axis. Each problem sets all inputs that this crate uses,
+/// and Ruckig derives the rest from them, so that earlier plans have no effect.
 pub(crate) struct Solver {
     pub(crate) input: InputParameter,
     pub(crate) solution: ruckig::Trajectory,

@@ -1,4 +1,4 @@
-//! Families of effects: what counts as the right kind of physics, though not its exact name.
+//! Families of effects: which physics counts as right even if its exact name is not.
 //!
 //! Two effects are of one family where an engineer would look for the same part and where the motion of
 //! a joint tells them apart only by detail: the shape of a friction curve, the side of the joint on which
@@ -77,9 +77,9 @@ pub const FAMILIES: &[Family] = &[
     family_of("disturbance", &["external_disturbance"]),
 ];
 
-/// The family of what no catalogue holds.
+/// The family of laws that no catalogue contains.
 pub const OUTSIDE: &str = "outside";
-/// What a law that was learned counts as.
+/// The family of a learned law.
 pub const LEARNED: &str = "learned law";
 /// The family of a clean case, and of a diagnosis that names nothing.
 pub const NOTHING: &str = "nothing";

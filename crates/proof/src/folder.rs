@@ -41,7 +41,7 @@ pub enum FolderError {
     },
 }
 
-/// A case on disk: what a diagnosis may see of it, and the recording it is judged on.
+/// A case on disk: the inputs of a diagnosis, and the recording for its score.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SealedCase {
     /// Name of its folder.
@@ -134,7 +134,7 @@ pub fn write_cases(folder: &Path, cases: &[Case]) -> Result<Vec<SealedCase>, Fol
     Ok(sealed)
 }
 
-/// The cases in a folder in the order of their names; the truth stays closed.
+/// The cases in a folder in the order of their names; the truth is not read.
 ///
 /// # Errors
 /// [`FolderError`] where the folder cannot be read or has no case.
@@ -154,7 +154,7 @@ pub fn read_cases(folder: &Path) -> Result<Vec<SealedCase>, FolderError> {
     Ok(cases)
 }
 
-/// Breaks the seal: what was hidden in each case of a folder.
+/// Reads the truth of each case of a folder.
 ///
 /// # Errors
 /// [`FolderError`] where the truth cannot be read.

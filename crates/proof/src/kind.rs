@@ -23,7 +23,7 @@ pub enum Kind {
     Five,
     /// Six, or more.
     Six,
-    /// One effect of the catalogue whose law has not the textbook's shape.
+    /// One effect of the catalogue whose law deviates from the textbook's shape.
     Shaped,
     /// A law that no catalogue holds.
     Outside,
@@ -91,7 +91,7 @@ impl Kind {
         }
     }
 
-    /// The kind of a case: a generator says `shaped` itself, all else can be counted.
+    /// The kind of a case: a generator marks `shaped` itself, the others follow from the count.
     pub fn of(truth: &Truth) -> Self {
         let said = truth.more.get("kind").and_then(|kind| kind.as_str());
         match truth.effects.len() {

@@ -1,4 +1,4 @@
-//! The run: each recording to the diagnosis, and only then the seal broken.
+//! The run: diagnoses each recording, and reads the truth only afterwards.
 
 use super::folder::{FolderError, read_cases, read_truths, write_case, write_truths};
 use super::generator::{Case, generate, generate_kind};
@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use thiserror::Error;
 
-/// A diagnosis that is judged. It gets the nominal model, the recording to diagnose, and, to score the model that
-/// comes out, other moves that the diagnosis itself must not see.
+/// A diagnosis under test. It gets the nominal model, the recording to diagnose and, to score the resulting
+/// model, other moves that it must not use otherwise.
 pub type Diagnose<'a> =
     dyn Fn(&Path, &Recording, &Recording) -> Result<Verdict, String> + Sync + 'a;
 
@@ -99,7 +99,7 @@ pub fn run(
                     let cases = judged.as_ref().map_or(&[][..], |cases| &cases[..]);
                     write_truths(folder, cases.iter().map(|c| (c.name.as_str(), &c.truth)))?;
                 }
-                // What cannot be cleared away from the system's folder for such things may stay.
+                // A temporary folder that cannot be removed may stay.
                 None => drop(std::fs::remove_dir_all(&passing)),
             }
             judged?
@@ -164,7 +164,7 @@ fn timed(diagnose: &Diagnose, model: &Path, train: &Recording, test: &Recording)
     let verdict = diagnose(model, train, test);
     let seconds = start.elapsed().as_secs_f64();
     match verdict {
-        // The closure may know better which part of its time was the diagnosis.
+        // The closure may measure the time of the diagnosis itself.
         Ok(verdict) if verdict.seconds > 0.0 => verdict,
         Ok(verdict) => Verdict { seconds, ..verdict },
         Err(reason) => {

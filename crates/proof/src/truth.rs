@@ -19,7 +19,7 @@ pub struct HiddenEffect {
 pub struct Truth {
     /// The hidden effects; none in a clean case.
     pub effects: Vec<HiddenEffect>,
-    /// Names that no motion tells from the truth, where the generator knows such.
+    /// Names that no motion distinguishes from the truth, if the generator knows such.
     pub equivalents: Vec<String>,
     /// Whether a catalogue of the usual physics holds all of them.
     pub in_catalogue: bool,
@@ -182,7 +182,7 @@ impl HiddenEffect {
     }
 }
 
-/// Effects from names joined by `+`. With several, whose parameter is whose is not known.
+/// Effects from names joined by `+`. With several effects the owner of each parameter is not known.
 fn joined(named: &str, place: &str, parameters: &[(String, f64)]) -> Vec<HiddenEffect> {
     let names = named.split('+').map(str::trim);
     let names: Vec<&str> = names.filter(|name| !["none", ""].contains(name)).collect();

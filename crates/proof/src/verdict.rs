@@ -5,8 +5,8 @@ use serde::{Deserialize, Deserializer, Serialize};
 /// A diagnosis in a few words.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
-    /// `no_mismatch`, `named`, `ambiguous`, `partly_explained`, `unexplained`, `not_excited`;
-    /// `failed` where the diagnosis came to no end.
+    /// `no_mismatch`, `named`, `ambiguous`, `partly_explained`, `unexplained`, `not_excited`; `failed` if the
+    /// diagnosis did not finish.
     pub kind: String,
     /// The best explanation, strongest first.
     pub findings: Vec<FindingSummary>,
@@ -19,7 +19,7 @@ pub struct Verdict {
     /// The same with the findings in the model.
     #[serde(deserialize_with = "or_not_a_number")]
     pub after_over_noise: f64,
-    /// Rms over the noise of the model that came out on moves never shown.
+    /// Rms over the noise of the resulting model on moves that it has never seen.
     #[serde(deserialize_with = "or_not_a_number")]
     pub test_rms_over_noise: f64,
     /// Time of the diagnosis, s.
@@ -60,7 +60,7 @@ pub struct ParameterSummary {
 }
 
 impl Verdict {
-    /// A diagnosis that came to no end.
+    /// A diagnosis that did not finish.
     pub fn failed(seconds: f64) -> Self {
         Self {
             kind: "failed".into(),
@@ -77,7 +77,7 @@ impl Verdict {
         !["no_mismatch", "not_excited", "failed"].contains(&self.kind.as_str())
     }
 
-    /// Whether it does not put its hand in the fire for a name.
+    /// Whether it does not commit to a name.
     pub fn doubts(&self) -> bool {
         ["ambiguous", "partly_explained", "unexplained"].contains(&self.kind.as_str())
     }
@@ -88,13 +88,13 @@ impl Verdict {
     }
 }
 
-/// JSON has no such numbers: `null` stands for one.
+/// JSON has no NaN: `null` stands for it.
 fn or_not_a_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
 impl FindingSummary {
-    /// The name and all that cannot be told from it, each once.
+    /// The name and its alternatives, each once.
     pub fn set(&self) -> Vec<&str> {
         let mut set = vec![self.effect.as_str()];
         for other in &self.alternatives {

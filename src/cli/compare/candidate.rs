@@ -1,4 +1,4 @@
-//! A shaper designed for modes on a grid, and what it leaves of them.
+//! A shaper designed for modes on a grid, and its residual vibration.
 
 use super::trial::Simulated;
 use crate::cli::shaping;
@@ -7,14 +7,14 @@ use quell_shapers::{
     residual_vibration,
 };
 
-/// Residual vibration at which the insensitivity is told.
+/// Residual vibration that defines the insensitivity.
 pub const TOLERANCE: f64 = 0.05;
 
-/// A shaper and what came of its design.
+/// A shaper and the result of its design.
 pub struct Candidate {
     /// The shaper.
     pub shaper: &'static dyn Shaper,
-    /// Its design, or why it cannot be designed for these modes on this grid.
+    /// Its design, or the reason why it cannot be designed for these modes on this grid.
     pub design: Result<Design, String>,
 }
 
@@ -24,7 +24,7 @@ pub struct Design {
     pub train: GridTrain,
     /// Width of the band with `V <= 0.05` around the first mode, over its frequency.
     pub insensitivity: Option<f64>,
-    /// The robot's move with it, where the robot is simulated.
+    /// The robot's move with it, if the robot is simulated.
     pub simulated: Option<Simulated>,
     impulses: ImpulseTrain,
     modes: Vec<Mode>,
@@ -62,8 +62,8 @@ impl Design {
         })
     }
 
-    /// Residual vibration where the frequencies of all modes are `1 + error` times the believed
-    /// ones; the worst of the modes.
+    /// Largest residual vibration of the modes, with the frequencies of all modes `1 + error` times the
+    /// believed ones.
     pub fn residual(&self, error: f64) -> f64 {
         let residual = |mode: &Mode| {
             let frequency = (1.0 + error) * mode.natural_frequency();

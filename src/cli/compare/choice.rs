@@ -7,7 +7,7 @@ use quell_shapers::{
     UncertainMode, recommend,
 };
 
-/// How well the modes are known, and what is asked of the shaper.
+/// The uncertainty of the modes, and the requirements on the shaper.
 #[derive(Clone, Copy)]
 pub struct Wish {
     /// One standard deviation of each frequency over that frequency.
@@ -20,14 +20,14 @@ pub struct Wish {
     pub max_delay: f64,
 }
 
-/// A shaper's figures over the uncertainty, as the crate gives them.
+/// A shaper's figures over the uncertainty, from the crate of shapers.
 pub type Figures = quell_shapers::Candidate;
 
 /// The recommended shaper.
 pub struct Choice {
     /// The shaper and its figures.
     pub figures: Figures,
-    /// Why, in a sentence.
+    /// The reason, in a sentence.
     pub reason: String,
     /// Delay that it adds to the end of a move on the controller's grid, s.
     pub delay: f64,
@@ -37,15 +37,15 @@ pub struct Choice {
 pub struct Advice {
     /// Every shaper's figures.
     pub figures: Vec<Figures>,
-    /// The one to take; none where no shaper is within the delay.
+    /// The recommended one; `None` if no shaper is within the delay.
     pub choice: Option<Choice>,
 }
 
-/// Recommends one shaper for all the modes by [`recommend`]: the shortest that leaves no more than is
-/// acceptable for 95 % of the uncertainty; where none does, the one that leaves least.
+/// Recommends one shaper for all the modes by [`recommend`]: the shortest with an acceptable residual for 95 %
+/// of the uncertainty; without such a shaper, the one with the least residual.
 ///
-/// [`recommend`] judges exact impulse times. Where the controller's grid makes the recommended train
-/// longer than allowed, or cannot hold it, the one of the others that leaves least is taken.
+/// [`recommend`] uses exact impulse times. If the recommended train is longer than allowed on the controller's
+/// grid, or does not fit on it, the one with the least residual among the others is taken.
 ///
 /// # Errors
 /// [`CliError::Input`] where a standard deviation is refused.
@@ -59,7 +59,7 @@ pub fn choose(candidates: &[Candidate], modes: &[Mode], wish: Wish) -> Result<Ad
     })
 }
 
-/// The crate's recommendation; nothing where no shaper is within the delay.
+/// The crate's recommendation; `None` if no shaper is within the delay.
 fn ask(modes: &[Mode], wish: Wish) -> Result<Option<Recommendation>, CliError> {
     let estimate = |&mode: &Mode| UncertainMode {
         mode,
@@ -81,7 +81,7 @@ fn ask(modes: &[Mode], wish: Wish) -> Result<Option<Recommendation>, CliError> {
     }
 }
 
-/// The recommended one, or where the grid has not enough room for it, the best of the others.
+/// The recommended shaper, or the best of the others if it does not fit on the grid.
 fn pick(candidates: &[Candidate], found: &Recommendation, wish: Wish) -> Option<Choice> {
     let on_grid = |one: &Figures| delay_on_grid(candidates, one.shaper, wish.max_delay);
     let (figures, delay, why) = match on_grid(&found.best) {
@@ -107,7 +107,7 @@ fn pick(candidates: &[Candidate], found: &Recommendation, wish: Wish) -> Option<
     })
 }
 
-/// The delay of the shaper's train on the controller's grid, s, or the reason why it cannot be taken.
+/// The delay of the shaper's train on the controller's grid, s, or the reason why it is not possible.
 fn delay_on_grid(
     candidates: &[Candidate],
     shaper: &dyn Shaper,
@@ -122,7 +122,7 @@ fn delay_on_grid(
     }
 }
 
-/// Why the best one was taken, as a clause.
+/// The reason for the choice, as a clause.
 fn reason(found: &Recommendation, wish: Wish) -> String {
     let best = &found.best;
     let (left, acceptable) = (percent(best.worst_95), percent(wish.acceptable));
@@ -147,7 +147,7 @@ fn reason(found: &Recommendation, wish: Wish) -> String {
     }
 }
 
-/// The residual of the shorter ones, of those that could have been chosen.
+/// The residual of the shorter shapers that were eligible.
 fn shorter(found: &Recommendation) -> String {
     let is_shorter =
         |one: &&Figures| one.standing == Standing::Eligible && one.delay < found.best.delay;
@@ -158,7 +158,7 @@ fn shorter(found: &Recommendation) -> String {
     })
 }
 
-/// For whom the residuals hold, in words.
+/// The uncertainty that the residuals hold for, in words.
 fn known(wish: Wish) -> String {
     format!(
         "for 95 % of the machines whose frequency is known to {} and damping ratio to {} \

@@ -34,7 +34,7 @@ pub fn page(comparison: &Comparison) -> Page {
     comparison.remarks.iter().fold(page, note)
 }
 
-/// A share in percent, without the rounding errors that stand for an exact zero.
+/// A share in percent; rounding errors around an exact zero are set to zero.
 fn percent(share: f64) -> f64 {
     (1e8 * share).round() / 1e6
 }

@@ -36,7 +36,7 @@ pub fn text(comparison: &Comparison) -> String {
     )
 }
 
-/// The table of the simulated moves, where the robot was simulated.
+/// The table of the simulated moves, if the robot was simulated.
 fn simulated(comparison: &Comparison) -> Option<String> {
     let [e1, e2, e3, e4, e5] = ERRORS.map(percent_label);
     let unshaped = comparison.unshaped.as_ref()?;
@@ -86,7 +86,7 @@ pub fn describe(mode: &Mode) -> String {
     )
 }
 
-/// A line of the table.
+/// A row of the table.
 fn row(comparison: &Comparison, candidate: &Candidate) -> [String; 10] {
     let mut cells = std::array::from_fn(|_| "-".to_owned());
     cells[0] = candidate.shaper.name().into();
@@ -136,7 +136,7 @@ pub fn document(comparison: &Comparison) -> Value {
     })
 }
 
-/// A shaper's figures, or why it was refused.
+/// A shaper's figures, or the reason why it was refused.
 fn shaper(comparison: &Comparison, candidate: &Candidate) -> Value {
     let design = match &candidate.design {
         Ok(design) => design,

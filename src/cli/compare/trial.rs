@@ -1,4 +1,4 @@
-//! The robot's own move, simulated with the machine's frequency beside the believed one.
+//! The simulation of the robot's own move, with the machine's frequency different from the believed one.
 
 use crate::cli::{CliError, effort::affordable, shaping};
 use crate::controller::setpoint;
@@ -6,10 +6,10 @@ use crate::plant::{ArmSimulation, Command, ModeOfJoint, Robot, SimulationOptions
 use quell_shapers::{GridTrain, Mode, ShapingFilter};
 use quell_trajectories::{AxisState, SampledTrajectory};
 
-/// The arm is watched for this many periods of its first mode after it has arrived: the greatest
-/// deflection of a decaying oscillation lies within the first half.
+/// Observation time after arrival, in periods of the arm's first mode: the greatest deflection of a decaying
+/// oscillation lies within the first half.
 const WATCHED_PERIODS: f64 = 2.0;
-/// The longest that the servo may take to follow the command, s.
+/// Longest time for the servo to follow the command, s.
 const FOLLOWING: f64 = 2.0;
 
 /// The robot's move, made by one of its joints with each shaper.
@@ -20,8 +20,8 @@ pub struct Trial<'a> {
 
 /// The result of the move with one shaper.
 pub struct Simulated {
-    /// Greatest tip deformation after the move, mm, one for each frequency error; NaN where the
-    /// servo has not brought the motor side to its target.
+    /// Greatest tip deformation after the move, mm, one for each frequency error; NaN if the servo has not
+    /// brought the motor side to its target.
     pub residual_mm: Vec<f64>,
     /// Speed of the plan, below 1 where the shaper's negative impulses would exceed the limits.
     pub speed: f64,
@@ -53,9 +53,9 @@ impl<'a> Trial<'a> {
         })
     }
 
-    /// The greatest deformation at the tip, m, once the command has ended and the motor side has
-    /// come to within one encoder step of it; the frequencies of all modes are `1 + error` times
-    /// those of the description. NaN where the motor side does not come so near.
+    /// The greatest deformation at the tip, m, after the end of the command and once the motor side is within
+    /// one encoder step of it. The frequencies of all modes are `1 + error` times those of the description. NaN
+    /// if the motor side does not come that close.
     fn residual(
         &self,
         plan: &SampledTrajectory,
@@ -105,7 +105,7 @@ impl<'a> Trial<'a> {
         ArmSimulation::new(self.robot, self.joint, &options).map_err(CliError::input)
     }
 
-    /// One encoder step, or a millionth of a turn where the encoder is ideal.
+    /// One encoder step, or a millionth of a turn with an ideal encoder.
     fn tolerance(&self) -> f64 {
         self.robot
             .encoder

@@ -1,4 +1,4 @@
-//! Each recording by itself: in this process, or into a queue for others.
+//! The separate diagnosis of each recording: in this process, or through a queue in others.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -19,13 +19,13 @@ use crate::diagnosis::Verdict;
 use crate::model::Model;
 use crate::page::Page;
 
-/// The word behind the address of a queue.
+/// The word after the address of a queue.
 const SUBMIT: &str = "submit";
 
-/// Diagnoses every recording, and shows what came out.
+/// Diagnoses every recording, and prints the results.
 ///
 /// # Errors
-/// [`CliError::Input`] where the model is refused, or a recording was set aside or says nothing of it.
+/// [`CliError::Input`] where the model is refused, or a recording was set aside or has no statement on it.
 pub fn run(args: &Args) -> Result<(), CliError> {
     let verb = ("diagnose --batch", args.force);
     let out = Out::open(&args.out, verb, &[args.model()], [report(args)])?;
@@ -44,7 +44,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     shown(args, &out, &queue, submission)
 }
 
-/// The file of the page over all recordings; a share has its own, beside those of the others.
+/// The file of the page over all recordings; each share has its own file in the same folder.
 fn report(args: &Args) -> String {
     match args.shard {
         Some(shard) => format!("report {shard}.html").replace(' ', "-"),
@@ -93,7 +93,7 @@ fn batch(args: &Args, paths: &[PathBuf]) -> Result<Batch, CliError> {
     let file = args.model();
     let read = std::fs::read_to_string(file);
     let model = read.map_err(|error| CliError::input(format!("{}: {error}", file.display())))?;
-    // What is wrong with it is told here, and not by every worker.
+    // An invalid model is reported here, and not by every worker.
     Model::from_toml(&model, file).map_err(CliError::input)?;
     let mut recordings = Vec::new();
     for path in paths {
@@ -107,12 +107,12 @@ fn batch(args: &Args, paths: &[PathBuf]) -> Result<Batch, CliError> {
     })
 }
 
-/// Told on stderr.
+/// A progress bar on stderr.
 fn bar(count: usize) -> Result<Progress, CliError> {
     Progress::new(count as u64, "{pos}/{len} recordings {wide_bar} {eta}")
 }
 
-/// Puts in and works at once.
+/// Submits and works at the same time.
 fn here(
     queue: &InProcess,
     batch: &Batch,
@@ -123,7 +123,7 @@ fn here(
     std::thread::scope(|scope| {
         let workers = scope.spawn(|| {
             let worked = work(queue, settings, &ending, &|_| bar.step());
-            // Who puts in must not wait for workers that have failed.
+            // The submission must not wait for workers that have failed.
             queue.close();
             worked
         });
@@ -165,7 +165,7 @@ fn shown(
     complete(&submission, set_aside, silent)
 }
 
-/// The answer for all, the table, and the command for the worst.
+/// The overall answer, the table, and the command for the worst recording.
 fn text(args: &Args, overview: &Overview) -> String {
     let page = args.out.join(report(args));
     let worst = overview.lines.first();
@@ -197,7 +197,7 @@ fn page(args: &Args, overview: &Overview) -> Page {
         .table(overview.table())
 }
 
-/// Whether nothing was left out, and every recording said something.
+/// Whether no recording was left out, and every one gave a statement on the model.
 fn complete(submission: &Submission, set_aside: usize, silent: usize) -> Result<(), CliError> {
     let refused = &submission.refused;
     if refused.is_empty() && set_aside == 0 && silent == 0 {

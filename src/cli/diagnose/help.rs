@@ -1,8 +1,8 @@
-//! The text of the help behind the options.
+//! The text of the help after the options.
 
 use crate::effects::{Catalogue, LEARNED};
 
-/// Columns of a line.
+/// Number of columns of a line.
 const WIDTH: usize = 100;
 
 /// Examples and verdicts.

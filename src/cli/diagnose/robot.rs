@@ -1,4 +1,5 @@
-//! All joints of a robot, each with what its description says along the motion of all.
+//! The diagnosis of all joints of a robot, each with the loads that its description gives along the motion of
+//! all.
 
 mod overview;
 mod prepared;
@@ -21,15 +22,15 @@ const STEPS: f64 = 100.0;
 /// Files of the whole robot.
 const FILES: [&str; 2] = ["index.html", "robot.json"];
 
-/// What came of one joint.
+/// The result of one joint.
 pub(super) struct Told {
     pub joint: String,
-    /// Its folder in that of --out.
+    /// Its folder within that of --out.
     pub folder: String,
     pub outcome: Result<Outcome, String>,
 }
 
-/// Diagnoses every joint that was recorded, and shows what came out.
+/// Diagnoses every recorded joint, and prints the results.
 ///
 /// # Errors
 /// [`CliError::Input`] where description, models or recordings are refused, or a joint was set aside.
@@ -88,7 +89,7 @@ pub fn run(description: &Path, args: &Args) -> Result<(), CliError> {
     shown((args, description), &out, &train, told)
 }
 
-/// Gravity as it was given, or that of a robot that stands upright.
+/// The given gravity, or that of a robot that stands upright.
 fn gravity(given: &[f64]) -> Result<Vector3<f64>, CliError> {
     match given {
         [] => Ok(Vector3::from(super::EARTH)),
@@ -112,7 +113,7 @@ fn joints(all: &[Prepared]) -> Vec<String> {
     joints.into_iter().map(|(_, name)| name).collect()
 }
 
-/// A joint's name as that of a folder.
+/// The folder name for a joint.
 fn folder(joint: &str) -> String {
     let legible = |c: char| c.is_alphanumeric() || "_-".contains(c);
     joint
@@ -121,8 +122,8 @@ fn folder(joint: &str) -> String {
         .collect()
 }
 
-/// The believed model of a joint: the user's, or a rigid axis with what the description says; in words where neither can
-/// be had.
+/// The nominal model of a joint: the user's, or a rigid axis from the description; if neither is possible, the
+/// reason in words.
 fn model(args: &Args, train: &[Prepared], joint: &str) -> Result<Result<Model, String>, CliError> {
     let given = args.model.as_ref().map(|path| match path.is_dir() {
         true => path.join(format!("{joint}.toml")),
@@ -146,7 +147,7 @@ fn in_folder(args: &Args) -> bool {
     args.model.as_ref().is_some_and(|path| path.is_dir())
 }
 
-/// A believed frequency is that at the mean inertia, where the model does not say at which.
+/// A nominal frequency without a stated inertia is taken to hold at the mean inertia.
 fn at_inertia(model: &mut Model, inertia: f64) {
     let key = model.kind.key("link_inertia");
     if let Some(key) = key.filter(|key| !model.given[*key] && model.kind.normalised) {
@@ -223,7 +224,7 @@ fn write(args: &Args, stage: &Stage, told: &Told, outcome: &Outcome) -> Result<(
     Ok(())
 }
 
-/// Whether every joint has its diagnosis, and one of them says something.
+/// Whether every joint has its diagnosis, and at least one gives a statement on its model.
 fn complete(told: &[Told]) -> Result<(), CliError> {
     let refused = told.iter().filter(|own| own.outcome.is_err()).count();
     if refused > 0 {

@@ -1,21 +1,21 @@
-//! How late a loop is that sleeps until each tick and does nothing.
+//! Lateness of a loop that sleeps until each tick and does nothing.
 
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
 /// Time between two ticks.
 const PERIOD: Duration = Duration::from_millis(1);
-/// How many ticks.
+/// Number of ticks.
 const TICKS: u32 = 1000;
 
 /// Lateness, us.
 #[derive(Debug, Serialize)]
 pub struct Lateness {
-    /// Of half of the ticks no more.
+    /// The median.
     pub median: f64,
-    /// Of 99 of a hundred no more.
+    /// The 99th percentile.
     pub p99: f64,
-    /// Of none more.
+    /// The maximum.
     pub max: f64,
 }
 

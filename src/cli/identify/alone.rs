@@ -1,4 +1,4 @@
-//! Modes of a recording that has no known input: an accelerometer, or any channel that vibrates alone.
+//! Modes of a recording without a known input: an accelerometer, or any channel of a free vibration.
 
 use super::axis::{self, Printer};
 use super::words;
@@ -19,21 +19,21 @@ const TAU: f64 = core::f64::consts::TAU;
 /// Residual vibration that is small enough; a mode with a smaller share needs no shaper.
 pub const ACCEPTABLE: f64 = 0.05;
 
-/// What was found in one recording.
+/// The findings in one recording.
 pub struct Alone {
     /// Its name.
     pub recording: String,
-    /// What vibrates.
+    /// The vibrating channel.
     pub vibration: Vibration,
     /// The modes.
     pub found: OutputOnly,
-    /// The shaper that is recommended; none where no shaper can be designed for these modes.
+    /// The recommended shaper; `None` if no shaper can be designed for these modes.
     pub advice: Option<Recommendation>,
-    /// The axis of a printer, where it is one.
+    /// The axis of a printer, if it is one.
     pub printer: Option<Printer>,
 }
 
-/// Whether the recording has no input that moves, so that its modes are those of what vibrates alone.
+/// Whether the recording has no moving input, so that its modes come from the output alone.
 pub fn is_alone(recording: &Recording) -> bool {
     let varies = |role: Role| {
         recording
@@ -56,7 +56,7 @@ pub fn is_alone(recording: &Recording) -> bool {
     vibrates && !driven
 }
 
-/// Whether there is something in the recording that `quell identify` can look at.
+/// Whether `quell identify` can be applied to the recording.
 pub fn can(recording: &Recording) -> bool {
     let has = |role: Role| recording.channel(role).is_some();
     let told = [Role::Deformation, Role::LinkPosition, Role::TipPosition];
@@ -64,7 +64,7 @@ pub fn can(recording: &Recording) -> bool {
 }
 
 impl Alone {
-    /// Identifies a recording of this file.
+    /// Identifies a recording from this file.
     ///
     /// # Errors
     /// [`CliError::Input`] where nothing vibrates, or no mode stands out.
@@ -114,7 +114,7 @@ impl Alone {
         shaped_for(&self.found.modes)
     }
 
-    /// What the table does not say.
+    /// Remarks on facts that the table does not show.
     pub fn remarks(&self) -> Vec<String> {
         let found = &self.found;
         let [from, until] = found.stretches[0];
@@ -167,7 +167,7 @@ fn dependence(mode: &FoundMode) -> Option<String> {
     ))
 }
 
-/// Modes above what is acceptable unshaped, each as far as its amplitude moves it.
+/// Modes with more than the acceptable residual when unshaped, each with the spread that its amplitude causes.
 fn shaped_for(modes: &[FoundMode]) -> Vec<UncertainMode> {
     let known = |mode: &FoundMode| {
         let UncertainMode {

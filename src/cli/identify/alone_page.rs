@@ -1,4 +1,4 @@
-//! The page of what vibrates alone: modes, spectrum, what the shapers leave, the recording.
+//! The page of an output-only identification: modes, spectrum, residuals of the shapers, the recording.
 
 use super::alone::{self, Alone};
 use super::printer::{self, Tuned};
@@ -120,7 +120,7 @@ fn band(one: &Alone) -> [f64; 2] {
     }
 }
 
-/// The spectrum, and what the recommended shaper leaves of it.
+/// The spectrum, before and after the recommended shaper.
 fn spectrum(one: &Alone, axis: Option<&Tuned>) -> Chart {
     let density = density(&one.vibration, band(one), DRAWN, true);
     let unit = format!("({})^2/Hz", one.vibration.unit);
@@ -148,7 +148,7 @@ fn spectrum(one: &Alone, axis: Option<&Tuned>) -> Chart {
     chart
 }
 
-/// What each shaper leaves, over frequency.
+/// The residual of each shaper, over frequency.
 fn responses(one: &Alone, axis: &Tuned) -> Chart {
     let [from, to] = band(one);
     let hertz: Vec<f64> = (0..=POINTS)

@@ -1,4 +1,4 @@
-//! Which axis of a printer a file is of.
+//! The axis of a printer that a file belongs to.
 
 use crate::identification::output_only::Vibration;
 use crate::recording::Role;
@@ -13,7 +13,8 @@ pub struct Printer {
     pub axis: char,
 }
 
-/// The axis of a printer that a file is of: Klipper's raw data or RepRapFirmware's, by its lines; none of any other file.
+/// The axis of a printer that a file belongs to: Klipper's raw data or RepRapFirmware's, recognised by its
+/// lines; `None` for any other file.
 pub fn of(path: &Path, vibration: &Vibration) -> Option<Printer> {
     if vibration.role != Role::TipAcceleration || !is_printers(path) {
         return None;

@@ -1,4 +1,4 @@
-//! What was identified, in every form in which it is told: text, JSON, page, model.
+//! The result of an identification, in all its forms: text, JSON, page, model.
 
 use super::alone::{self, Alone};
 use super::printer::{self, Tuned};
@@ -13,18 +13,18 @@ use quell_shapers::UncertainMode;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// What was identified in one recording, or in several of what vibrates alone.
+/// The result for one recording, or for several without a known input.
 pub struct Identified(Kind);
 
 enum Kind {
     /// A joint with a known input.
     Driven(Box<Findings>),
-    /// What vibrates alone, and the axes of a printer among it.
+    /// Recordings without a known input, and the axes of a printer among them.
     Alone(Vec<Alone>, Vec<Tuned>),
 }
 
 impl Identified {
-    /// Identifies recordings, each of the file beside it (empty where it has none), until it is stopped.
+    /// Identifies recordings, each with its file (an empty path without one), until it is stopped.
     ///
     /// # Errors
     /// [`CliError::Input`] where a recording is refused, nothing vibrates, or one of several has a known input.
@@ -72,7 +72,7 @@ impl Identified {
         }
     }
 
-    /// The modes that a shaper is for: those that are recommended, or of what vibrates alone those of the first recording
+    /// The modes to shape for: the recommended ones or, without a known input, those of the first recording
     /// that are large enough to matter.
     pub fn modes(&self) -> Vec<UncertainMode> {
         match &self.0 {
@@ -84,7 +84,7 @@ impl Identified {
         }
     }
 
-    /// The text of `model.toml`; none where no mode is known.
+    /// The text of `model.toml`; `None` if no mode is known.
     pub fn model(&self) -> Option<String> {
         match &self.0 {
             Kind::Driven(_) => {

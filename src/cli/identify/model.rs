@@ -1,4 +1,4 @@
-//! `model.toml` of what was identified.
+//! `model.toml` from an identification.
 
 use crate::cli::next;
 use quell_shapers::UncertainMode;
@@ -7,7 +7,7 @@ use std::path::Path;
 
 const TAU: f64 = core::f64::consts::TAU;
 
-/// The text of a model with the first mode; further ones are told in comments.
+/// The text of a model with the first mode; comments list the others.
 pub fn text(modes: &[UncertainMode]) -> String {
     let mut text = String::from("# Identified by `quell identify`.\nkind = \"flexible_joint\"\n");
     for (k, known) in modes.iter().enumerate() {
@@ -41,7 +41,7 @@ pub fn text(modes: &[UncertainMode]) -> String {
     text
 }
 
-/// The next command: of one mode with the model in this file, of several with all of them.
+/// The next command: for one mode with the model in this file, for several with all of them.
 pub fn next(modes: &[UncertainMode], file: &Path) -> String {
     let modes: Vec<_> = modes.iter().map(|known| known.mode).collect();
     let mut words: Vec<String> = vec!["compare".into()];

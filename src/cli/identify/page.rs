@@ -1,4 +1,4 @@
-//! The report: what was found, and the estimates over time as in the paper's Fig. 7.
+//! The report: the result, and the estimates over time as in the paper's Fig. 7.
 
 use super::{Findings, registrations, words};
 use crate::estimators::offline::amplitude_spectrum;
@@ -144,9 +144,9 @@ fn off_line(run: &Run) -> Table {
     table
 }
 
-/// One quantity of all estimators over a run, the likelihood's with a band of two standard
-/// deviations, the batch fit as a level; the first five periods are shown first, and a range about the
-/// batch fit (what an estimate does at its start is not worth the scale).
+/// One quantity of all estimators over a run, the likelihood's with a band of two standard deviations, the
+/// batch fit as a level. The first view shows five periods, and a range about the batch fit: an estimate at its
+/// start is not worth the scale.
 fn over_time(
     run: &Run,
     chart: Chart,

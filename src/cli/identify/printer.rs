@@ -9,10 +9,10 @@ use std::fmt::Write;
 use super::alone::{ACCEPTABLE, Alone};
 use super::axis::Printer;
 
-/// A firmware, the names that it gives to the shapers, and its line for an axis.
+/// A firmware, its names of the shapers, and its line for an axis.
 struct Firmware {
     name: &'static str,
-    /// Quell's name and the firmware's, for the shapers that it has.
+    /// Quell's name and the firmware's, for the shapers that the firmware has.
     shapers: &'static [(&'static str, &'static str)],
     line: fn(char, &str, &Setting) -> String,
 }
@@ -59,7 +59,7 @@ const FIRMWARES: &[Firmware] = &[
     },
 ];
 
-/// What is recommended for one axis, from all its recordings.
+/// The recommendation for one axis, from all its recordings.
 pub struct Tuned {
     /// The axis.
     pub axis: char,
@@ -69,7 +69,7 @@ pub struct Tuned {
     pub best: usize,
 }
 
-/// The settings of each axis of a printer that was recorded.
+/// The settings of each recorded axis of a printer.
 ///
 /// # Errors
 /// [`CliError::Input`] where no shaper can be designed.

@@ -12,7 +12,7 @@ use crate::signal::{ArcRegistration, TipRegistration};
 
 const TAU: f64 = core::f64::consts::TAU;
 
-/// One way, and what came of it.
+/// One way, and its result.
 pub struct Registered {
     way: TipRegistration,
     outcome: Result<Outcome, IdentificationError>,
@@ -24,7 +24,7 @@ struct Outcome {
 }
 
 impl Outcome {
-    /// None where the recording has no tip sensor in a frame of its own.
+    /// `None` if the recording has no tip sensor in its own frame.
     fn of(series: &Series, found: &Identification) -> Option<Self> {
         Some(Self {
             registration: series.registration.clone()?,
@@ -43,7 +43,7 @@ impl Outcome {
     }
 }
 
-/// All ways, the `chosen` one as it was `found`; nothing where there is nothing to register.
+/// All ways, with the result of the `chosen` one from `found`; empty if there is nothing to register.
 pub fn all(
     recording: &Recording,
     model: Option<&NominalModel>,
@@ -76,7 +76,7 @@ fn other(
     Ok(Outcome::of(&series, &found))
 }
 
-/// For `--json`.
+/// The JSON for `--json`.
 pub fn document(registered: &[Registered]) -> Value {
     let one = |registered: &Registered| {
         let outcome = registered.outcome.as_ref().ok();
@@ -98,7 +98,7 @@ pub fn document(registered: &[Registered]) -> Value {
     registered.iter().map(one).collect()
 }
 
-/// For the terminal; empty where there is nothing to compare.
+/// The text for the terminal; empty if there is nothing to compare.
 pub fn text(registered: &[Registered]) -> String {
     if registered.is_empty() {
         return String::new();
@@ -131,7 +131,7 @@ pub fn text(registered: &[Registered]) -> String {
     columns(heads, rows)
 }
 
-/// For the report; none where there is nothing to compare.
+/// The table for the report; `None` if there is nothing to compare.
 pub fn table(registered: &[Registered]) -> Option<Table> {
     if registered.is_empty() {
         return None;

@@ -1,4 +1,4 @@
-//! `quell identify` of recordings of what vibrates alone: text, JSON and page.
+//! `quell identify` for recordings without a known input: text, JSON and page.
 
 use super::alone::{self, Alone};
 use super::printer::{self, Tuned};
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 const TAU: f64 = core::f64::consts::TAU;
 
-/// Identifies each.
+/// Identifies each recording.
 ///
 /// # Errors
 /// [`CliError::Input`] where one of several has a known input, or one has no mode.

@@ -5,12 +5,12 @@ use crate::identification::{Identification, Recommended, Run, Stretch, Why};
 use crate::page::{decimals_beside, fixed};
 use quell_shapers::UncertainMode;
 
-/// `decay 0.39-2.00s`: what a run's off-line references used.
+/// `decay 0.39-2.00s`: the data of a run's off-line references.
 pub fn used(run: &Run) -> String {
     seconds(run, run.fitted)
 }
 
-/// The same for what its estimators were shown.
+/// The same for the data of its estimators.
 pub fn shown(run: &Run) -> String {
     seconds(run, run.shown)
 }
@@ -25,7 +25,7 @@ fn seconds(run: &Run, Stretch { from, until }: Stretch) -> String {
     format!("{kind} {}-{}s", fixed(from, 2), fixed(until, 2))
 }
 
-/// The line to take, its mode, and why, in a sentence.
+/// The recommended line, its mode, and the reason, in a sentence.
 pub fn recommended(findings: &Findings, best: &Recommended) -> String {
     let modes: Vec<String> = best.modes().map(quoted).collect();
     let found = &findings.found;
@@ -63,7 +63,7 @@ fn quoted(known: UncertainMode) -> String {
     )
 }
 
-/// A warning where a mode is slower than any joint's: the stamps may be in another unit.
+/// A warning if a mode is slower than any joint's: the stamps may be in another unit.
 pub fn slow(hertz: f64) -> Option<String> {
     // Recorded joints vibrate at 1.8 Hz and above, long cranes at 0.1 Hz.
     (hertz < 0.1).then(|| {
@@ -74,7 +74,7 @@ pub fn slow(hertz: f64) -> Option<String> {
     })
 }
 
-/// Everything that a table does not say.
+/// All remarks that are not in a table.
 pub fn remarks(findings: &Findings) -> Vec<String> {
     let found = &findings.found;
     let mut remarks = Vec::new();
@@ -117,7 +117,7 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
     remarks
 }
 
-/// The part of a long recording that was looked at.
+/// The part of a long recording that was analysed.
 fn long(found: &Identification) -> Option<String> {
     if !found.is_long() {
         return None;
@@ -142,7 +142,7 @@ fn long(found: &Identification) -> Option<String> {
     Some(words)
 }
 
-/// A sentence on a second mode that does not ring.
+/// A sentence on a second mode that does not vibrate.
 fn doubted(second: UncertainMode) -> String {
     format!(
         "With the motion as known input a second mode, {}, explains more than noise. The free decay does not show it: it is \
@@ -151,7 +151,7 @@ fn doubted(second: UncertainMode) -> String {
     )
 }
 
-/// A sentence where the stretches contradict each other.
+/// A sentence if the stretches contradict each other.
 fn contradictions(best: &Recommended) -> Option<String> {
     let [frequency, damping] = best.between;
     (frequency > 0.0 || damping > 0.0).then(|| {

@@ -1,4 +1,4 @@
-//! `quell inspect FILE.csv`: the manifest that is proposed for CSV files.
+//! `quell inspect FILE.csv`: proposed manifests for CSV files.
 
 use crate::cli::CliError;
 use crate::cli::out::{Force, Out};
@@ -6,18 +6,18 @@ use crate::recording::{MANIFEST, Proposal, Proposed, propose};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Manifests that were written, and what is not certain of them.
+/// The written manifests, and their uncertain entries.
 pub struct Written {
     /// The manifests.
     pub manifests: Vec<(PathBuf, Proposed)>,
-    /// What is not certain, and matters.
+    /// Uncertain entries that matter.
     pub open: Vec<String>,
 }
 
 /// Proposes manifests for a CSV file or the CSV files of a folder, and writes them beside these.
 ///
 /// # Errors
-/// [`CliError::Input`] where a file is not understood, or a manifest would replace a user's.
+/// [`CliError::Input`] where a file cannot be interpreted, or a manifest would replace a user's.
 pub fn write(path: &Path, force: Force) -> Result<Written, CliError> {
     let Proposal { manifests, open } = propose(path)?;
     let folder = match path.is_dir() {
@@ -52,14 +52,14 @@ pub fn write(path: &Path, force: Force) -> Result<Written, CliError> {
     })
 }
 
-/// Whether the folder's `recording.toml` is of another file.
+/// Whether the folder's `recording.toml` describes another file.
 fn is_taken(folder: &Path, path: &Path) -> bool {
     let held = std::fs::read_to_string(folder.join(MANIFEST)).unwrap_or_default();
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     !held.is_empty() && path.is_file() && !held.contains(&format!("file = \"{file}\""))
 }
 
-/// Calls the first manifest as its file, where the folder's `recording.toml` must stay.
+/// Names the first manifest after its file, so that the folder's `recording.toml` stays.
 fn own_name(path: &Path, manifests: &mut [Proposed]) {
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     let stem = file.split('.').next().unwrap_or_default();
@@ -69,7 +69,7 @@ fn own_name(path: &Path, manifests: &mut [Proposed]) {
 }
 
 impl Written {
-    /// The first manifest with what is written in it, the names of the others, and what to do next.
+    /// The first manifest with its content, the names of the others, and the uncertain entries.
     pub fn text(&self) -> String {
         let Some((path, first)) = self.manifests.first() else {
             return String::new();
@@ -90,7 +90,7 @@ impl Written {
         text
     }
 
-    /// For `--json`.
+    /// The JSON for `--json`.
     pub fn document(&self) -> Value {
         let one =
             |(path, proposed): &(PathBuf, Proposed)| json!({"path": path, "text": proposed.text});

@@ -1,10 +1,10 @@
-//! The content of an MCAP file: its topics, and the roles that it says they have.
+//! The content of an MCAP file: its topics, and the roles that it gives them.
 
 use crate::page::{columns, fixed};
 use crate::recording::{Cut, Found, McapFile, Topic};
 use serde_json::{Map, Value, json};
 
-/// The topics, the roles of each joint, and what has to be known of the file, as text.
+/// The topics, the roles of each joint, and necessary remarks on the file, as text.
 pub fn page(file: &McapFile) -> String {
     let topics = columns(
         ["topic", "type", "messages", "rate_hz"],
@@ -35,7 +35,7 @@ pub fn page(file: &McapFile) -> String {
     format!("{topics}\n{roles}{several}{remarks}\n")
 }
 
-/// The fields that a manifest can name, where no topic says its role.
+/// The fields that a manifest can name, if no topic gives its role.
 fn fields(file: &McapFile) -> String {
     let line = |topic: &Topic| format!("  {}: {}\n", topic.name, topic.fields().join(", "));
     let lines: String = file.topics().iter().map(line).collect();

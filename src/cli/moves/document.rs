@@ -83,7 +83,7 @@ pub fn document(comparison: &Comparison) -> Value {
     })
 }
 
-/// What a move within a tolerance leaves at most, as JSON.
+/// Upper bounds of a move within a tolerance, as JSON.
 pub fn bounds(bounds: Bounds) -> Value {
     json!({
         "residual_percent": 100.0 * bounds.residual,
@@ -109,7 +109,7 @@ pub fn at_most(bounds: Option<Bounds>) -> String {
     )
 }
 
-/// The modes that the first move taught for the next.
+/// The modes learned in the first move for the next.
 fn modes(prescribed: &Prescription) -> Value {
     let each = prescribed.modes.iter().map(|mode| {
         json!({
@@ -129,7 +129,7 @@ fn modes(prescribed: &Prescription) -> Value {
     })
 }
 
-/// The same in words, where there is more to tell than one mode that stays.
+/// The same in words, unless it is one mode that stays constant.
 fn taught(prescribed: &Prescription) -> String {
     let Some(hold) = prescribed.hold else {
         return String::new();
@@ -179,7 +179,7 @@ pub fn text(scenario: &Scenario, comparison: &Comparison) -> String {
     )
 }
 
-/// A headline: the moved joint, and what is believed of it.
+/// A headline: the moved joint, and its believed mode.
 pub fn headline(scenario: &Scenario) -> String {
     format!(
         "{}, joint {}, {} deg, {} shaper, {} estimator; believed {:.3} Hz, damping {:.3}.",
@@ -248,7 +248,7 @@ pub fn learned(comparison: &Comparison) -> String {
     )
 }
 
-/// Slowed moves and refused corrections, and what a tolerance made of the last move.
+/// Slowed moves and refused corrections, and the effect of a tolerance on the last move.
 pub fn remarks(scenario: &Scenario, comparison: &Comparison) -> String {
     let moves = comparison.moves();
     let words: String = moves
@@ -257,7 +257,7 @@ pub fn remarks(scenario: &Scenario, comparison: &Comparison) -> String {
     words + &at_most(comparison.bounds())
 }
 
-/// The lines on a move of this name that was slowed, or whose corrections were refused.
+/// The lines on a move of this name, if it was slowed or its corrections were refused.
 pub fn remark(name: &str, shaper: &str, trace: &MoveTrace) -> String {
     let mut words = String::new();
     if let Some(speed) = trace.slowed_to {

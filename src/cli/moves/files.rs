@@ -10,10 +10,10 @@ use crate::model::believed;
 
 /// The report.
 pub const REPORT: &str = "report.html";
-/// The model of the joint, as it is believed.
+/// The nominal model of the joint.
 const MODEL: &str = "model.toml";
 
-/// The folder, where all that will be written may be.
+/// The folder, if all files to be written are allowed there.
 ///
 /// # Errors
 /// [`CliError::Input`] where one of the files must not be replaced.
@@ -24,7 +24,7 @@ pub fn open(folder: &Path, force: Force, reads: &[&Path]) -> Result<Out, CliErro
     Out::open(folder, ("move", force), reads, names)
 }
 
-/// The next command: to identify the unshaped move, which rings most, from the believed model.
+/// The next command: to identify the unshaped move, which vibrates most, from the nominal model.
 pub fn next_command(folder: &Path) -> String {
     let recording = folder.join(MoveKind::Unshaped.name());
     let words = [

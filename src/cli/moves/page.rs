@@ -49,7 +49,7 @@ fn title(scenario: &Scenario) -> String {
     )
 }
 
-/// Good where the adapted shaper keeps the 5 % that the field calls insensitive, at the end and in the whole move.
+/// Good if the adapted shaper keeps the 5 % that define insensitivity, at the end and in the whole move.
 fn verdict(comparison: &Comparison) -> Verdict {
     let next = MoveKind::AdaptiveNext;
     match comparison.ratio(next).max(comparison.whole_ratio(next)) <= 0.05 {
@@ -74,7 +74,7 @@ fn sentence(comparison: &Comparison) -> String {
     )
 }
 
-/// When the tip has settled, in words.
+/// The settling time of the tip, in words.
 fn settled(trace: &MoveTrace) -> String {
     let time = trace.settling_time(SETTLED);
     time.map_or_else(
@@ -178,7 +178,7 @@ fn deformation(comparison: &Comparison) -> Chart {
         .note("The next move goes back; it is drawn with its sign turned, to lie over the others.")
 }
 
-/// The same, from shortly before the unshaped command ends, at the scale of what is left.
+/// The same, from shortly before the unshaped command ends, at the scale of the residual.
 fn left_over(comparison: &Comparison) -> Chart {
     let unshaped = comparison.unshaped();
     let height = 1.1e3 * unshaped.residual();

@@ -31,7 +31,7 @@ pub fn from(args: &Args) -> Result<Scenario, CliError> {
     })
 }
 
-/// The mode that is believed in of a joint that rings.
+/// The believed mode of a joint that vibrates.
 fn belief(args: &Args, robot: &Robot, joint: usize) -> Result<Mode, CliError> {
     belief_of(args, &robot.joints[joint])?.ok_or_else(|| {
         let text = format!(
@@ -45,7 +45,7 @@ fn belief(args: &Args, robot: &Robot, joint: usize) -> Result<Mode, CliError> {
     })
 }
 
-/// The mode that is believed in: given, or the joint's own with a wrong frequency; none of a stiff joint.
+/// The believed mode: given, or the joint's own with a wrong frequency; `None` for a stiff joint.
 pub(super) fn belief_of(args: &Args, joint: &RobotJoint) -> Result<Option<Mode>, CliError> {
     let Some(own) = joint.modes.first() else {
         return Ok(None);
@@ -82,7 +82,7 @@ fn displacement(args: &Args, robot: &Robot) -> Result<f64, CliError> {
     }
 }
 
-/// The limits of a joint, where the arguments give no others.
+/// The limits of the arguments, or else those of the joint.
 pub(super) fn limits(args: &Args, own: Limits) -> Limits {
     let pick = |given: Option<f64>, own: f64| given.map_or(own, f64::to_radians);
     Limits {

@@ -1,4 +1,4 @@
-//! Which verb wrote which file of a folder: `.quell.json`.
+//! The list of the files in a folder with the verbs that wrote them: `.quell.json`.
 
 use super::failed;
 use crate::cli::CliError;
@@ -24,12 +24,12 @@ pub struct Ledger {
 #[serde(deny_unknown_fields)]
 struct Entry {
     verb: String,
-    /// Of its content, in hexadecimal.
+    /// Hash of its content, in hexadecimal.
     sha256: String,
 }
 
 impl Ledger {
-    /// The list of a folder; an empty one where there is none.
+    /// The list of a folder; empty if the folder has none.
     ///
     /// # Errors
     /// [`CliError::Input`] where a file of that name is not such a list.
@@ -46,7 +46,7 @@ impl Ledger {
         }
     }
 
-    /// Why a file with this content is not what the verb wrote, in words; nothing where it is.
+    /// The reason in words why a file with this content is not what the verb wrote; `None` if it is.
     pub fn stranger(&self, name: &Path, verb: &str, bytes: &[u8]) -> Option<String> {
         let Some(entry) = self.written.get(&key(name)) else {
             return Some("it is not known to be Quell's".into());
@@ -60,7 +60,7 @@ impl Ledger {
         (entry.sha256 != hash(bytes)).then(|| "it was changed since Quell wrote it".into())
     }
 
-    /// Notes a file.
+    /// Records a file.
     pub fn wrote(&mut self, name: &Path, verb: &str, bytes: &[u8]) {
         let entry = Entry {
             verb: verb.into(),
@@ -69,7 +69,7 @@ impl Ledger {
         self.written.insert(key(name), entry);
     }
 
-    /// Writes the list into a folder, whole: `stage`, on the same disk, has it first.
+    /// Writes the list into a folder atomically, through `stage` on the same disk.
     ///
     /// # Errors
     /// [`CliError::Failure`] where the disk refuses.

@@ -1,4 +1,4 @@
-//! Page, interface and recordings of a service.
+//! The page, the interface and the recordings of a service.
 
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
@@ -17,10 +17,10 @@ pub struct Outside {
     recorder: Option<Recorder>,
 }
 
-/// Takes the address, before anything moves.
+/// Binds the address, before any motion.
 ///
 /// # Errors
-/// [`CliError::Input`] where the address needs a token, [`CliError::Failure`] where it is not to be had.
+/// [`CliError::Input`] where the address needs a token, [`CliError::Failure`] where it is not available.
 pub async fn listen(config: &Config) -> Result<TcpListener, CliError> {
     let address = config.http.address;
     http::check(address, config.http.token.as_deref()).map_err(CliError::input)?;
@@ -29,7 +29,7 @@ pub async fn listen(config: &Config) -> Result<TcpListener, CliError> {
 }
 
 impl Outside {
-    /// Records and serves what the engine does.
+    /// Records and serves the activity of the engine.
     pub fn start(listener: TcpListener, config: &Config, service: &Service) -> Self {
         let (handle, shelf) = (service.handle(), service.shelf());
         let recorder = shelf.map(|shelf| Recorder::start(&handle, shelf));
@@ -48,7 +48,7 @@ impl Outside {
         };
         let (end, ended) = oneshot::channel();
         let served = tokio::spawn(http::serve(listener, handle, settings, async {
-            // Its end being dropped is an end as well.
+            // A dropped sender ends the server as well.
             let _ = ended.await;
         }));
         Self {
@@ -58,12 +58,12 @@ impl Outside {
         }
     }
 
-    /// Ends what has begun; what is being recorded is put onto the shelf.
+    /// Ends the threads; the recording in progress is put onto the shelf.
     ///
     /// # Errors
-    /// [`CliError::Failure`] where it did not serve at all.
+    /// [`CliError::Failure`] where the server has failed.
     pub async fn end(self) -> Result<(), CliError> {
-        // It may have ended by itself, and then says why.
+        // The server may have ended by itself; its result then has the reason.
         let _ = self.end.send(());
         if let Some(recorder) = &self.recorder {
             recorder.close().await;

@@ -1,4 +1,4 @@
-//! A shaped copy of a command file: every column kept, the named ones shaped.
+//! A shaped copy of a command file: all columns kept, the named ones shaped.
 
 use super::Args;
 use crate::cli::out::Out;
@@ -15,7 +15,7 @@ pub struct ShapedFile {
     pub path: PathBuf,
     /// Its rows without the header.
     pub rows: usize,
-    /// How many of them come after the command's own last row.
+    /// Number of rows after the command's own last row.
     pub appended: usize,
 }
 
@@ -58,7 +58,7 @@ fn clock(table: &Table, args: &Args) -> Result<Clock, CliError> {
     })
 }
 
-/// The time column's place and its last stamp, s, where there is one; the rate, Hz.
+/// The index of the time column and its last stamp, s, if there is one; the rate, Hz.
 struct Clock {
     time: Option<(usize, f64)>,
     rate: f64,
@@ -88,7 +88,7 @@ fn text(
             cells[index] = format!("{:?}", column[sample]);
         }
         if let Some((index, end)) = clock.time.filter(|_| past_end > 0) {
-            // To the nanosecond, to keep the digits of a sum's rounding out of the file.
+            // Rounded to the nanosecond, to keep rounding errors of the sum out of the file.
             let time = end + f64::from(past_end) / clock.rate;
             cells[index] = format!("{:?}", (time * 1e9).round() / 1e9);
         }

@@ -13,7 +13,7 @@ use super::setup::Setup;
 use super::trace::Trace;
 use crate::plant::ArmSimulation;
 
-/// All that there is to tell.
+/// All data of the report.
 pub struct Run<'a> {
     /// The request.
     pub args: &'a Args,
@@ -89,7 +89,7 @@ pub fn text(run: &Run) -> String {
     )
 }
 
-/// The next command: to identify what was written, with the believed model where there is one; of a stiff joint to look at
+/// The next command: to identify the written recording with the nominal model, or for a stiff joint to inspect
 /// it.
 fn next_command(run: &Run) -> String {
     match run.files {

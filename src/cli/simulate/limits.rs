@@ -1,4 +1,4 @@
-//! By how much a command exceeds the limits of its joint.
+//! Excess of a command over the limits of its joint.
 
 use super::motion::{Knot, Motion};
 use super::setup::Setup;
@@ -8,9 +8,9 @@ const ROUNDING: f64 = 1e-6;
 
 /// One sentence for each of velocity, acceleration and jerk that is exceeded.
 ///
-/// The n-th derivative is judged by the n-th divided difference of the commanded positions, times
-/// n!: that is a weighted mean of the derivative over n intervals, so it never tells more than
-/// there is. What the rounding of the positions to their last digit can make up is left out.
+/// The n-th derivative is judged by the n-th divided difference of the commanded positions, times n!. This is a
+/// weighted mean of the derivative over n intervals, so it never exceeds the true peak. The part that rounding
+/// of the positions to their last digit can explain is subtracted.
 pub fn exceeded(motion: &Motion, setup: &Setup) -> Vec<String> {
     let limits = setup.robot.joints[setup.joint].limits;
     let rounding = 0.5 * motion.resolution;
@@ -36,7 +36,7 @@ pub fn exceeded(motion: &Motion, setup: &Setup) -> Vec<String> {
     remarks
 }
 
-/// The greatest magnitude of the derivative of that order beyond what rounding makes up, and when.
+/// The greatest magnitude of the derivative of that order beyond the effect of rounding, and its time.
 fn peak(knots: &[Knot], order: usize, rounding: f64) -> (f64, f64) {
     let mut peak = (0.0, 0.0);
     for window in knots.windows(order + 1) {

@@ -1,6 +1,6 @@
 //! The command of the joint, instant by instant.
 
-/// Where the command is at an instant; a cubic leads from one to the next.
+/// The command at an instant; a cubic leads from one to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct Knot {
     /// Since the start, s.
@@ -11,8 +11,7 @@ pub struct Knot {
     pub velocity: f64,
 }
 
-/// One move: the command changes from `from` to `until` (s) and so leads from `start` to `target`
-/// (rad).
+/// One move: the command changes from `from` to `until` (s) and so leads from `start` to `target` (rad).
 #[derive(Clone, Copy, Debug)]
 pub struct Leg {
     /// s.
@@ -49,7 +48,7 @@ pub fn rounding(knots: &[Knot]) -> f64 {
 }
 
 impl Motion {
-    /// Until when a leg's vibration is left alone: the next leg's beginning, or the end, s.
+    /// Time until which a leg's vibration is left alone: the next leg's beginning, or the end, s.
     pub fn watched_until(&self, leg: usize) -> f64 {
         let end = self.knots.last().map_or(0.0, |knot| knot.time);
         self.legs.get(leg + 1).map_or(end, |next| next.from)

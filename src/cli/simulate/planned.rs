@@ -10,7 +10,7 @@ use crate::cli::{CliError, effort::affordable, shaping};
 use crate::controller::{SlowedPlan, setpoint};
 use crate::tolerance::{self, Moving, Tolerance};
 
-/// Rest before the first move, s: what the sensors say of a joint that stands.
+/// Rest before the first move, s: it records the sensors of a joint at rest.
 const REST: f64 = 0.5;
 
 /// The moves of the arguments, one after the other, with rest before and after each.
@@ -43,7 +43,7 @@ pub fn plan(args: &Args, setup: &Setup) -> Result<Motion, CliError> {
     })
 }
 
-/// The fastest move within a tolerance, for the modes as they are believed.
+/// The fastest move within a tolerance, for the believed modes.
 fn fastest(setup: &Setup, ends: [f64; 2], tolerance: Tolerance) -> Result<SlowedPlan, CliError> {
     let arc = setup.robot.chain.arc(&setup.pose, setup.joint);
     let modes = setup.belief.iter().copied().map(UncertainMode::believed);
@@ -58,7 +58,7 @@ fn fastest(setup: &Setup, ends: [f64; 2], tolerance: Tolerance) -> Result<Slowed
     Ok(SlowedPlan::at_full_speed(plan))
 }
 
-/// Targets from where the joint stands, rad.
+/// Targets relative to the initial position, rad.
 fn targets(args: &Args, setup: &Setup) -> Result<Vec<f64>, CliError> {
     if args.target.is_empty() {
         return Ok(vec![setup.robot.default_move.target]);
@@ -90,7 +90,7 @@ fn train(args: &Args, setup: &Setup) -> Result<GridTrain, CliError> {
     shaping::train(shaper, belief, sample_time).map_err(CliError::input)
 }
 
-/// Sends setpoints through the shaper and notes what comes out, tick by tick.
+/// Sends setpoints through the shaper and records its output, tick by tick.
 struct Writer<'a> {
     setup: &'a Setup,
     filter: ShapingFilter,
@@ -144,8 +144,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// One move until its shaped command has come to its end. The plan's first sample is where the
-    /// joint stands already.
+    /// One move until its shaped command has ended. The plan's first sample is the present position.
     fn leg(&mut self, plan: &SampledTrajectory) -> Result<(), CliError> {
         let Knot { time, position, .. } = self.last();
         let ticks = plan.samples() + self.train_ticks;

@@ -60,8 +60,7 @@ fn beside(first: &Path, index: usize, role: &str) -> PathBuf {
     first.with_file_name(format!("{stem}-{}-{role}.{extension}", index + 1))
 }
 
-/// Stamps, what was recorded, and what the model says, with as many digits as bring the numbers back
-/// to the bit.
+/// Stamps, recorded values, and predictions, with enough digits to restore the numbers to the bit.
 fn csv(predicted: &Predicted) -> Result<Vec<u8>, CliError> {
     let legible = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let unit: String = predicted.unit.chars().map(legible).collect();

@@ -1,4 +1,4 @@
-//! A command that was recorded: the channel of a recording, or a column of a CSV file.
+//! A recorded command: the channel of a recording, or a column of a CSV file.
 
 use std::path::Path;
 
@@ -60,8 +60,8 @@ pub fn read(file: &Path, args: &Args, setup: &Setup) -> Result<Motion, CliError>
     })
 }
 
-/// A word where the samples are further apart than a period of the joint's slowest mode: such a
-/// command cannot excite it as a controller's would, and most often its time is not in seconds.
+/// A remark if the samples are further apart than a period of the joint's slowest mode: such a command cannot
+/// excite it as a controller's would, and most often its time is not in seconds.
 fn sparse(time: &[f64], setup: &Setup) -> Option<String> {
     let interval = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
     let period = 2.0 * setup.half_period();
@@ -80,7 +80,7 @@ fn ends_in_motion(velocity: f64) -> String {
     )
 }
 
-/// A column where one is named, else the channel of a recording.
+/// The named column, or else the channel of a recording.
 fn series(file: &Path, args: &Args) -> Result<Series, CliError> {
     if let Some(column) = &args.column {
         return from_csv(file, column, args);
@@ -159,7 +159,7 @@ fn jump(before: Knot, after: Knot, acceleration: f64, resolution: f64) -> Option
     (step.abs() > reached).then(|| step / interval)
 }
 
-/// The moves: what lies between rests of at least `rest` (s).
+/// The moves: the parts between rests of at least `rest` (s).
 fn legs(knots: &[Knot], rest: f64, resolution: f64) -> Vec<Leg> {
     let mut legs: Vec<Leg> = Vec::new();
     for pair in knots.windows(2) {
@@ -183,7 +183,7 @@ fn legs(knots: &[Knot], rest: f64, resolution: f64) -> Vec<Leg> {
     legs
 }
 
-/// Appends `duration` (s) of rest, none where it is negative.
+/// Appends `duration` (s) of rest; nothing if it is negative.
 fn hold(knots: &mut Vec<Knot>, duration: f64, rate: f64) {
     let last = knots[knots.len() - 1];
     let ticks = (duration * rate).ceil() as usize;

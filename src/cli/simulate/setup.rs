@@ -7,19 +7,19 @@ use crate::cli::CliError;
 use crate::plant::{Damping, ModeOfJoint, Robot, SimulationOptions};
 use crate::signal::JointKind;
 
-/// A joint of a robot, what is simulated of it, and what is believed of it.
+/// A joint of a robot, with its simulation and its believed modes.
 pub struct Setup {
     /// The robot.
     pub robot: Robot,
     /// Counted from 0.
     pub joint: usize,
-    /// Where the joints stand at the start, rad or m.
+    /// Positions of the joints at the start, rad or m.
     pub pose: Vec<f64>,
     /// Modes in the home pose without payload.
     pub modes: Vec<ModeOfJoint>,
     /// The modes that shapers and the model file are made for, the first mode first.
     pub belief: Vec<Mode>,
-    /// How it is simulated.
+    /// Options of its simulation.
     pub options: SimulationOptions,
 }
 
@@ -49,8 +49,8 @@ impl Setup {
         })
     }
 
-    /// Half a period of the slowest mode, or of the servo where that is slower: within it a free
-    /// oscillation shows its greatest deflection.
+    /// Half a period of the slowest mode, or of the servo if that is slower: within it a free oscillation
+    /// reaches its greatest deflection.
     pub fn half_period(&self) -> f64 {
         let frequencies = self
             .modes
@@ -67,7 +67,7 @@ impl Setup {
     }
 }
 
-/// The joint's modes, the first one as --mode says; it gives a stiff joint its first.
+/// The joint's modes, the first one replaced by --mode; a stiff joint gets its first from there.
 fn modes(args: &Args, robot: &Robot, joint: usize) -> Vec<ModeOfJoint> {
     let mut modes = robot.joints[joint].modes.clone();
     match (args.mode, modes.first_mut()) {

@@ -1,10 +1,10 @@
-//! The arm following the command: what its sensors say, and what is left after each move.
+//! The response of the arm to the command: the readings of its sensors, and the residual after each move.
 
 use super::motion::{Leg, Motion};
 use crate::plant::{ArmSimulation, Command, MeasurementLog};
 use crate::recording::Recording;
 
-/// Motor side and tip at an instant, from the simulation's truth.
+/// Motor side and tip at an instant, from the true state of the simulation.
 struct Sample {
     time: f64,
     motor_position: f64,
@@ -24,7 +24,7 @@ pub struct Trace {
 /// The residual vibration of a move.
 #[derive(Clone, Copy, Debug)]
 pub struct Settled {
-    /// From when on the motor side stays within one encoder step of the target, s.
+    /// Time from which the motor side stays within one encoder step of the target, s.
     pub motor_end: f64,
     /// Peak of the true deformation at the tip from there until the next move, m.
     pub residual: f64,
@@ -51,7 +51,7 @@ impl Trace {
                 tip_deformation: arm.true_tip_deformation(),
             });
         }
-        // One encoder step, or a millionth of a turn where the encoder is ideal.
+        // One encoder step, or a millionth of a turn with an ideal encoder.
         let ideal = core::f64::consts::TAU * 1e-6;
         let step = arm.robot().encoder.resolution.max(ideal);
         let legs = motion.legs.iter().enumerate();
@@ -66,7 +66,7 @@ impl Trace {
     }
 }
 
-/// Nothing where the motor side is not at rest before the next move.
+/// `None` if the motor side is not at rest before the next move.
 fn settled(samples: &[Sample], leg: &Leg, until: f64, step: f64) -> Option<Settled> {
     let index = |time: f64| samples.partition_point(|sample| sample.time <= time);
     let watched = &samples[index(leg.until) - 1..index(until)];

@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use tokio::runtime::{Builder, Runtime};
 use tokio::signal::unix::{Signal, SignalKind, signal};
 
-/// Sets `ending` at the first signal for as long as what it gives is kept.
+/// Sets `ending` at the first signal, as long as the returned runtime is kept.
 ///
 /// # Errors
-/// Where the system has no thread or no signal left.
+/// If the system has no thread or no signal left.
 pub fn watch(ending: Arc<AtomicBool>) -> std::io::Result<Runtime> {
     let runtime = Builder::new_multi_thread()
         .worker_threads(1)

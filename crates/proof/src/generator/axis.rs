@@ -12,7 +12,7 @@ const IMPULSE: usize = 3;
 /// The first of the sliders.
 const SLIDER: usize = 4;
 
-/// The axis with what is hidden in it; absent or 0 where nothing is.
+/// The axis with its hidden effects; absent or 0 without one.
 #[derive(Clone, Debug, Default)]
 pub struct Axis {
     /// Mass, kg.
@@ -29,9 +29,9 @@ pub struct Axis {
     pub offset: f64,
     /// Amplitude, N, waves per m and phase of a force that repeats with the position.
     pub cogging: [f64; 3],
-    /// Force below which nothing arrives, N.
+    /// Force below which nothing is transmitted, N.
     pub dead_zone: f64,
-    /// Force above which no more arrives, N; 0 for none.
+    /// Largest transmitted force, N; 0 for no limit.
     pub saturation: f64,
     /// Share of the force lost at this force, N.
     pub loss: [f64; 2],
@@ -41,7 +41,7 @@ pub struct Axis {
     pub laws: Laws,
 }
 
-/// Where the force comes from.
+/// Source of the force.
 #[derive(Clone, Copy, Debug)]
 pub enum Command<'a> {
     /// From a controller that keeps the axis on a programme.
@@ -77,13 +77,13 @@ impl Driven<'_> {
         axis.believed_mass * (a + back)
     }
 
-    /// The force that arrives of a command.
+    /// The transmitted force for a command.
     fn arriving(&self, command: f64) -> f64 {
         let axis = self.axis;
         let mut force = command.signum() * (command.abs() - axis.dead_zone).max(0.0);
         let [share, reference] = axis.loss;
         if share != 0.0 {
-            // Iron that is full gives no less for more current.
+            // Beyond saturation of the iron the force does not fall with more current.
             let peak = reference / (3.0 * share).sqrt();
             force = force.clamp(-peak, peak);
             force *= 1.0 - share * (force / reference).powi(2);

@@ -129,7 +129,8 @@ fn put_in(axis: &mut Axis, forces: &Forces, hidden: &[Hidden]) -> Vec<HiddenEffe
     hidden.iter().map(effect).collect()
 }
 
-/// Whether each of several shows beside the others in what is recorded, and another shape as more than the textbook's.
+/// Whether each of several effects shows beside the others in the recording, and a deviating shape as more than
+/// the textbook's law.
 fn all_show(
     [plain, hurt]: [&Axis; 2],
     forces: &Forces,
@@ -225,8 +226,8 @@ fn record(
     )
 }
 
-/// The force as a drive tells it: its mean over the cycle that begins at each stamp. So a record at the
-/// rate of the cycle holds all of the impulse, whatever the force does within one.
+/// The force as a drive reports it: its mean over the cycle that begins at each stamp. A record at the rate of
+/// the cycle thus contains the whole impulse.
 fn told(axis: &Axis, programme: &Programme, cycle: f64, count: usize) -> Vec<f64> {
     let times: Vec<f64> = (0..=count).map(|k| k as f64 * cycle).collect();
     let impulse = run(axis, programme, &times, true);
@@ -243,7 +244,7 @@ fn truth(noise: &Noise, effects: Vec<HiddenEffect>, [mass, viscous]: [f64; 2]) -
         "mass": mass,
         "viscous": viscous,
     });
-    // Of a linear axis it is all the same whether the force or the position is late.
+    // In a linear axis a delay of the force and one of the position are equivalent.
     let late = effects.iter().any(|effect| effect.effect == "drive_lag");
     let equivalents = late.then(|| "sensor_lag".to_string());
     Truth {

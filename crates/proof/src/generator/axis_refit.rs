@@ -37,8 +37,8 @@ pub struct Recorded<'a> {
 }
 
 impl Recorded<'_> {
-    /// Whether none of several is hidden by a refit of mass, damping and position with the others in it, of any
-    /// size, that is driven by the recorded force.
+    /// Whether each of several effects still shows after a refit of mass, damping and position with the other
+    /// effects in it, of any size, driven by the recorded force.
     pub fn all_show(&self, hidden: &[Hidden]) -> bool {
         (0..hidden.len()).all(|own| {
             let mut others = hidden.to_vec();

@@ -1,8 +1,8 @@
-//! Damped steps of Gauss and Newton on the readings of a machine, an offset of the readings among the unknowns.
+//! Damped Gauss-Newton steps on the readings of a machine, with an offset of the readings among the unknowns.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Parts of a step that are tried: a law with a corner may ask for less than the whole.
+/// Fractions of a step that are tried: a law with a corner may need a shorter one.
 const PARTS: [f64; 3] = [1.0, 0.3, 0.1];
 /// Relative fall of the residual that is worth another step.
 const WORTH: f64 = 1e-4;
@@ -52,7 +52,7 @@ pub fn descend<F: Fit>(
     (predicted, left)
 }
 
-/// The step of Gauss and Newton; none where it cannot be told.
+/// The Gauss-Newton step; empty where it is not determined.
 fn step<F: Fit>(fit: &F, predicted: &[f64], measured: &[f64], steps: &Steps) -> Vec<f64> {
     let count = steps.small.len();
     let column = |index: usize| {

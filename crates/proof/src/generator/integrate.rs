@@ -1,4 +1,4 @@
-//! Fine fixed steps of Runge and Kutta that end where something sticks, slips or touches.
+//! Runge-Kutta with small fixed steps that end where something sticks, slips or touches.
 
 /// States that a plant may have.
 pub const STATES: usize = 18;
@@ -158,7 +158,7 @@ impl<'p, P: Plant> Run<'p, P> {
         Some(after)
     }
 
-    /// Whether friction changes its mind within a step that leads to `state`.
+    /// Whether friction changes its state within a step that leads to `state`.
     fn friction_event(&self, state: &State, size: f64) -> bool {
         let Some(slip) = self.plant.slip(self.time + size, state) else {
             return false;

@@ -230,7 +230,7 @@ fn instruments(draw: &mut Draw, arm: &Arm) -> Instruments {
     }
 }
 
-/// What is hidden. Each is sized in the arm without the others, so that none is only seen by another's light, and
+/// The hidden effects. Each is sized in the arm without the others, so that it does not depend on them, and
 /// must show beside them.
 fn conceal(draw: &mut Draw, plan: Plan, bench: &Bench, rich: bool) -> Vec<Concealed> {
     let mut hidden: Vec<Concealed> = Vec::new();
@@ -271,8 +271,8 @@ fn with_all(arm: &Arm, scales: &Scales, hidden: &[Concealed]) -> Arm {
     hurt
 }
 
-/// Names that no motion tells from what was hidden: to a sensor of positions a mode far above the motion is a
-/// gain of the deformation.
+/// Names that no motion distinguishes from the hidden effect: for a sensor of positions a mode far above the
+/// motion is equivalent to a gain of the deformation.
 fn equivalents(arm: &Arm, hidden: &[Concealed]) -> Vec<String> {
     let gain = |concealed: &Concealed| concealed.entry.name == "deformation_gain";
     let alone = hidden.len() == 1 && hidden.iter().all(gain);

@@ -4,8 +4,8 @@
 //! steps that end where something sticks, slips or touches. It shares no equation of motion with the
 //! models that are fitted to its recordings.
 //!
-//! What no fit can see is not hidden: an offset of the clocks and a delay of sensor or drive (each fit
-//! takes an offset of the clocks for granted), faults of the drive where the motor side is measured.
+//! Effects that no fit can see are not hidden: an offset of the clocks and a delay of sensor or drive (each fit
+//! has a free clock offset), and faults of the drive if the motor side is measured.
 //!
 //! The same seed and index give the same case, to the bit.
 
@@ -91,7 +91,7 @@ pub fn generate(seed: u64, index: u64) -> Result<Case, PlanError> {
     drawn_again(seed, index, None, ATTEMPTS)
 }
 
-/// The case of this kind, seed and index: machines are drawn until one can show all that it shall hide.
+/// The case of this kind, seed and index: machines are drawn until one can show all effects that it is to hide.
 ///
 /// # Errors
 /// [`PlanError`] where a move cannot be planned.
@@ -110,7 +110,7 @@ pub fn generate_kind(kind: Kind, seed: u64, index: u64) -> Result<Case, PlanErro
 
 /// Draws after which a machine that runs away is no longer drawn again.
 const ATTEMPTS: u64 = 8;
-/// Draws after which a machine may show less than it should: one draw in three shows six effects.
+/// Number of draws after which a machine may show fewer effects: one draw in three shows six.
 const SEARCH: u64 = 64;
 
 fn drawn_again(

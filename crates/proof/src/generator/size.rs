@@ -1,4 +1,4 @@
-//! How much of an effect to hide.
+//! Choice of the size of a hidden effect.
 
 use super::Channel;
 use super::hidden::{Entry, Parameters, Scales};
@@ -139,7 +139,8 @@ impl<'a> Bench<'a> {
         None
     }
 
-    /// Whether a law that it contains leaves something of it: what cannot be known is not asked for.
+    /// Whether the effect still shows beside a simpler law that it contains: an unobservable effect is not
+    /// hidden.
     fn shows_as_itself(&self, concealed: &Concealed) -> bool {
         let Some(simpler) = concealed.entry.contains else {
             return true;
@@ -254,8 +255,8 @@ impl Bracket {
     }
 }
 
-/// Rms of the change of readings, without the change of their mean and, where the sensor has a clock of
-/// its own, without what a shift of the clock would do: any fit takes these two for granted.
+/// Rms of the change of readings, without the change of their mean and, if the sensor has its own clock,
+/// without the effect of a clock shift: any fit includes these two.
 fn rms_change(with: &[Vec<f64>], without: &[Vec<f64>], own_clock: bool) -> f64 {
     let mut changes = Vec::new();
     let mut slopes = Vec::new();

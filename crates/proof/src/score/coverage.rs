@@ -1,4 +1,4 @@
-//! Whether intervals hold the true parameters.
+//! Whether intervals contain the true parameters.
 
 use crate::truth::Truth;
 use crate::verdict::Verdict;
@@ -103,7 +103,7 @@ const SAME: &[(&str, &str, &[&str])] = &[
 /// nominal inertia says, as the truth tells it.
 const INERTIAS: &[&str] = &["pose_dependent_frequency", "payload_change"];
 
-/// The comparable parameters of all effects that were named rightly.
+/// The comparable parameters of all correctly named effects.
 pub(super) fn covered(truth: &Truth, verdict: &Verdict) -> Vec<Covered> {
     let mut found = Vec::new();
     let hides = |name: &&str| truth.effects.iter().any(|hidden| hidden.effect == *name);

@@ -1,4 +1,4 @@
-//! One case judged: what was hidden against what was said.
+//! The judgement of one case: the truth against the verdict.
 
 use super::Rate;
 use super::coverage::{Covered, covered};
@@ -61,7 +61,7 @@ impl Judgement {
         let kind = Kind::of(truth);
         let known = kind.is_one_name() || kind.is_several();
         let heard = match kind.is_one_name() {
-            // One effect, one name: what comes second cannot make good a wrong first name.
+            // One effect, one name: a second finding cannot correct a wrong first name.
             true => &verdict.findings[..verdict.findings.len().min(1)],
             false => &verdict.findings[..],
         };
@@ -105,7 +105,7 @@ impl Judgement {
         }
     }
 
-    /// Whether this is what one would wish for: the family, silence, or a flag.
+    /// Whether this is the desired result: the family, silence, or a flag.
     pub fn is_right(&self) -> bool {
         match self.kind {
             Kind::Clean => !self.false_alarm,

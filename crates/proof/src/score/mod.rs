@@ -33,7 +33,7 @@ pub struct Judged {
     pub verdict: Verdict,
     /// Rms over the noise on the test with the true machine; absent where the generator is not ours.
     pub oracle: Option<f64>,
-    /// The one against the other.
+    /// The comparison of the two.
     pub judgement: Judgement,
 }
 
@@ -267,7 +267,7 @@ impl Score {
             };
             let right = [detected, j.is_right(), j.exact, j.in_set];
             let row = rows.entry(case.truth.name()).or_default();
-            // What is nothing, or in no catalogue, has no name to be right about.
+            // A clean case, or one outside the catalogue, has no name to be right about.
             let asked = match j.kind {
                 Kind::Clean | Kind::Outside => 2,
                 _ => 4,

@@ -1,4 +1,4 @@
-//! Reliability: of what is said with 90 %, 90 % should be so.
+//! Reliability: of the claims with a probability of 90 %, 90 % should be true.
 //!
 //! Source: A. H. Murphy, R. L. Winkler, Applied Statistics 26 (1977).
 
@@ -12,7 +12,7 @@ const EDGES: [f64; 13] = [
 ];
 /// Claims from which a bin is judged.
 pub const ENOUGH: usize = 20;
-/// What a bin may be off by, percent.
+/// Allowed deviation of a bin, percent.
 pub const OFF: f64 = 5.0;
 
 /// Claims of about the same probability.
@@ -29,7 +29,8 @@ pub struct Bin {
 }
 
 impl Bin {
-    /// Whether what was said is within [`OFF`] of what was so; `None` with fewer claims than [`ENOUGH`].
+    /// Whether the claimed probability is within [`OFF`] of the observed share; `None` with fewer claims than
+    /// [`ENOUGH`].
     pub fn is_reliable(&self) -> Option<bool> {
         let reliable = (self.said - self.so.percent()).abs() <= OFF;
         (self.so.of >= ENOUGH).then_some(reliable)
@@ -61,7 +62,7 @@ impl Bin {
 }
 
 impl Score {
-    /// What was said with which probability and how often it was so; bins without a claim are left out.
+    /// Claimed probabilities and observed shares; bins without a claim are left out.
     pub fn reliability(&self) -> Vec<Bin> {
         let mut bins = vec![(0.0, Rate::default()); EDGES.len() - 1];
         for case in &self.cases {

@@ -42,7 +42,7 @@ impl<'a> Overview<'a> {
         }
     }
 
-    /// The joints with the worst first, by their place in what was told.
+    /// The results with the worst joint first.
     fn sorted(&self) -> impl Iterator<Item = &'a Told> {
         let of = |line: &Line| self.told.iter().find(|told| told.joint == line.name);
         self.joints.lines.iter().filter_map(of)

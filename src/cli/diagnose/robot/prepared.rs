@@ -11,10 +11,10 @@ use crate::signal::{JointKind, Tree};
 use nalgebra::Vector3;
 use std::path::Path;
 
-/// Share of the links' inertia that a rotor has at least, where the torques show none: too little to matter.
+/// Least inertia of a rotor, as a share of the links' inertia, if the torques show none: negligibly small.
 const LEAST: f64 = 1e-3;
 
-/// A recording, and what its torques say against the description.
+/// A recording, and the comparison of its torques with the description.
 pub(super) struct Prepared {
     pub name: String,
     pub robot: Robot,
@@ -49,12 +49,12 @@ impl Prepared {
         })
     }
 
-    /// A joint with what is known beside it.
+    /// A joint with the known quantities beside it.
     pub fn beside(&self, joint: &str) -> Option<&Beside> {
         self.beside.iter().find(|own| own.joint == joint)
     }
 
-    /// What a model of a joint is held against.
+    /// The recording that a model of a joint is compared with.
     pub fn recording(&self, joint: &str, model: &Model) -> Option<Recording> {
         let own = self.beside(joint)?;
         let kind = model.kind;
@@ -67,13 +67,13 @@ impl Prepared {
         }
     }
 
-    /// A rigid axis with the friction that the description has, where its torque was measured.
+    /// A rigid axis with the friction of the description, if its torque was measured.
     pub fn believed(&self, joint: &str) -> Option<Model> {
         let own = self.robot.joints.iter().find(|own| own.name == joint)?;
         let seen = self.beside(joint)?.inertia;
         let mass = rotor(&self.robot, &self.dynamics, own).map(|mass| mass.max(LEAST * seen))?;
         let described = &self.robot.dynamics.joints()[own.index];
-        // The torque shows the rotor within a factor; the fit has the rest to say.
+        // The torque gives the rotor's inertia within a factor; the fit determines the rest.
         let mut text =
             format!("kind = \"inverse_dynamics\"\nmass = {{ value = {mass}, std = {mass} }}\n");
         if described.damping > 0.0 {
@@ -88,7 +88,7 @@ impl Prepared {
         Model::from_toml(&text, joint).ok()
     }
 
-    /// What the recording says of the whole robot against its description.
+    /// Remarks on the whole robot, from the recording against its description.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks: Vec<String> = self.payload.iter().map(|own| self.carries(own)).collect();
         remarks.extend(self.couplings.iter().map(|own| self.coupled(own)));
@@ -103,7 +103,7 @@ impl Prepared {
         remarks
     }
 
-    /// The same as far as it is a joint's.
+    /// The remarks that concern this joint.
     pub fn remarks_of(&self, joint: &str) -> Vec<String> {
         let mut remarks: Vec<String> = self.payload.iter().map(|own| self.carries(own)).collect();
         let own = |coupling: &&Coupling| self.joint(coupling.joint) == joint;

@@ -60,7 +60,7 @@ pub fn text(scenario: &PathScenario, comparison: &PathComparison) -> String {
     )
 }
 
-/// A line for each joint; what all have in common stands in the first.
+/// A row for each joint; the values common to all are in the first.
 fn rows(
     scenario: &PathScenario,
     comparison: &PathComparison,
@@ -84,7 +84,7 @@ fn rows(
     trace.joints.iter().enumerate().map(row).collect()
 }
 
-/// The joints and how far they move, and what is believed of them.
+/// The joints with their displacements and their believed modes.
 pub fn headline(scenario: &PathScenario) -> String {
     let joints = scenario.joints.iter().map(|joint| {
         let belief = match joint.belief {
@@ -103,7 +103,7 @@ pub fn headline(scenario: &PathScenario) -> String {
     )
 }
 
-/// Angle below which a distance is rounding, rad: far below what an encoder resolves.
+/// Angle below which a distance is rounding, rad: far below the resolution of an encoder.
 const ROUNDING: f64 = 1e-9;
 
 /// Largest distance of a command from the path, deg; 0 where it is rounding alone.
@@ -114,7 +114,7 @@ pub fn off_the_path(trace: &PathTrace) -> f64 {
     }
 }
 
-/// The difference that the common train makes, once the modes are known.
+/// The effect of the common train, once the modes are known.
 pub fn sentence(comparison: &PathComparison) -> String {
     let [own, common] =
         [PathKind::OwnTrainsNext, PathKind::CommonTrainNext].map(|kind| comparison.trace(kind));
@@ -128,7 +128,7 @@ pub fn sentence(comparison: &PathComparison) -> String {
     )
 }
 
-/// Slowed moves and refused corrections, joint by joint, and what a tolerance made of the last move.
+/// Slowed moves and refused corrections, joint by joint, and the effect of a tolerance on the last move.
 pub fn remarks(scenario: &PathScenario, comparison: &PathComparison) -> String {
     let mut words = String::new();
     for (kind, trace) in &comparison.moves {

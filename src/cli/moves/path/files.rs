@@ -11,7 +11,7 @@ use crate::model::believed;
 /// The report.
 pub const REPORT: &str = "report.html";
 
-/// The folder, where all that will be written may be.
+/// The folder, if all files to be written are allowed there.
 ///
 /// # Errors
 /// [`CliError::Input`] where one of the files must not be replaced.
@@ -36,12 +36,12 @@ fn recording(kind: PathKind, joint: usize) -> String {
     format!("{}/joint_{}", kind.name(), joint + 1)
 }
 
-/// The file of what is believed of a joint.
+/// The file of a joint's nominal model.
 fn model(joint: usize) -> String {
     format!("model_joint_{}.toml", joint + 1)
 }
 
-/// The next command: to identify the first joint that rings, in the unshaped move.
+/// The next command: to identify the first joint that vibrates, in the unshaped move.
 pub fn next_command(folder: &Path, scenario: &PathScenario) -> String {
     let Some(first) = scenario.joints.iter().find(|joint| joint.belief.is_some()) else {
         return String::new();
@@ -57,7 +57,7 @@ pub fn next_command(folder: &Path, scenario: &PathScenario) -> String {
     next::command(words.into_iter().chain([Path::new("--out"), folder]))
 }
 
-/// Writes `report.html`, a model of each joint that rings, and a recording of each joint in each move.
+/// Writes `report.html`, a model of each joint that vibrates, and a recording of each joint in each move.
 ///
 /// # Errors
 /// [`CliError`] where a file must not be replaced, or the disk refuses.

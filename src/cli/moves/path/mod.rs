@@ -1,4 +1,5 @@
-//! `quell move --path`: several joints on a straight line in joint space, with a train each and with one for all.
+//! `quell move --path`: several joints on a straight line in joint space, with separate trains and with a
+//! common one.
 
 mod document;
 mod files;
@@ -54,7 +55,7 @@ fn from(args: &Args) -> Result<PathScenario, CliError> {
     })
 }
 
-/// The joints that move, two at least.
+/// The joints that move, at least two.
 fn joints(args: &Args, robot: &Robot) -> Result<Vec<PathJoint>, CliError> {
     let chain = robot.chain.joints();
     if args.target.len() > chain.len() {
@@ -95,7 +96,7 @@ fn joints(args: &Args, robot: &Robot) -> Result<Vec<PathJoint>, CliError> {
     }
 }
 
-/// The cells of one way to shape do not know those of another: they run side by side.
+/// Runs the control cells of each way to shape side by side, as they are independent.
 fn side_by_side(
     scenario: &PathScenario,
     tolerance: Option<Tolerance>,
@@ -109,7 +110,7 @@ fn side_by_side(
             )
         },
     );
-    // A move that was cut off is told before what it broke in the next.
+    // A move that was cut off is reported before its consequences in the next.
     let unshaped = unshaped?;
     all_finished(PathKind::Unshaped, &unshaped)?;
     let mut comparison = PathComparison::new(unshaped, own?, common?);
@@ -124,7 +125,7 @@ fn side_by_side(
     Ok(comparison)
 }
 
-/// The modes of each joint as they are known after a move; none of a stiff joint.
+/// The known modes of each joint after a move; empty for a stiff joint.
 fn known_modes(scenario: &PathScenario, trace: &PathTrace) -> Vec<Vec<UncertainMode>> {
     let each = scenario.joints.iter().zip(&trace.joints);
     let modes = each.map(|(joint, trace)| match joint.belief {

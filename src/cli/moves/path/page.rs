@@ -5,7 +5,7 @@ use super::document;
 use crate::closed_loop::{PathComparison, PathJoint, PathKind, PathScenario, PathTrace, Tick};
 use crate::page::{Bars, Chart, Figure, Page, Table, Verdict};
 
-/// Share of the unshaped vibration up to which a move counts as calm: the 5 % that the field calls insensitive.
+/// Share of the unshaped vibration up to which a move counts as calm: the 5 % that define insensitivity.
 const CALM: f64 = 0.05;
 /// Moves that are drawn: those after which the modes are known.
 const DRAWN: [PathKind; 2] = [PathKind::OwnTrainsNext, PathKind::CommonTrainNext];
@@ -40,7 +40,7 @@ pub fn page(scenario: &PathScenario, comparison: &PathComparison) -> Page {
         ))
 }
 
-/// Good where every joint that rings is calm after the move with the common train.
+/// Good if every joint that vibrates is calm after the move with the common train.
 fn verdict(scenario: &PathScenario, comparison: &PathComparison) -> Verdict {
     let ratio = |joint| comparison.ratio(PathKind::CommonTrainNext, joint);
     // A stiff joint has no ratio.
@@ -133,7 +133,7 @@ fn bars(scenario: &PathScenario, comparison: &PathComparison) -> Bars {
     })
 }
 
-/// The command of the first two joints that move, one over the other.
+/// The command of the first two moving joints, one over the other.
 fn path(scenario: &PathScenario, comparison: &PathComparison) -> Chart {
     let name = |index: usize| format!("joint {}", scenario.joints[index].joint + 1);
     let chart = Chart::lines("Command in joint space", name(0), "deg", name(1), "deg");
