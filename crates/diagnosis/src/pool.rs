@@ -84,7 +84,7 @@ impl Pool {
         let entry = |entry: &Entry| {
             let own = refit(&entry.own);
             Entry {
-                // What had no end before may have one now, and what is without it may have been hopeless.
+                // A parameter may have reached the end of its range, and the structures without its effect may not be kept.
                 thinned: entry.thinned && !own.is_at_end,
                 extended: entry.extended.clone(),
                 own,
@@ -113,14 +113,6 @@ impl Pool {
         self.ranked(self.temperature(judge))[0].0
     }
 
-    /// The most probable one, whether its parameters mean something or not.
-    pub fn leader(&self, judge: &Judge) -> &Explanation {
-        let temperature = self.temperature(judge);
-        let ranked = self.ranked(temperature);
-        let leader = ranked.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
-        leader.map_or(self.baseline(), |own| own.0)
-    }
-
     /// The most likely structures of a number of named effects, were only noise left in the end.
     pub fn most_likely(&self, count: usize) -> Vec<Explanation> {
         let ranked = self.ranked(CALIBRATED).into_iter().map(|own| own.0);
@@ -135,13 +127,20 @@ impl Pool {
         entries.for_each(|entry| entry.extended.push(table));
     }
 
-    /// Marks a structure as fitted again without each of its effects; returns whether it was marked before.
-    pub fn thin_out(&mut self, own: &Explanation) -> bool {
-        let mut like = self.all.iter_mut().filter(|entry| entry.own.is_like(own));
-        let thinned = like
-            .next()
-            .map(|entry| std::mem::replace(&mut entry.thinned, true));
-        thinned.unwrap_or(true)
+    /// The next explanation of several effects to fit again without each of them: the one of the highest evidence, even with a
+    /// parameter at the end of its range, then the best. It is marked, so that each is answered once.
+    pub fn next_to_thin_out(&mut self, judge: &Judge) -> Option<Explanation> {
+        let ranked = self.ranked(self.temperature(judge));
+        let highest = ranked.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        let both = highest.into_iter().chain(ranked.first());
+        let both: Vec<Explanation> = both.map(|own| own.0.clone()).collect();
+        let is_next = |entry: &Entry, own: &Explanation| !entry.thinned && entry.own.is_like(own);
+        let mut several = both.into_iter().filter(|own| own.terms() > 1);
+        let entries = &mut self.all;
+        several.find(|own| {
+            let entry = entries.iter_mut().find(|entry| is_next(entry, own));
+            entry.map(|entry| entry.thinned = true).is_some()
+        })
     }
 
     /// Whether a structure was extended by the effects of a table.

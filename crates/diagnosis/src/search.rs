@@ -124,17 +124,11 @@ impl Search<'_> {
         })
     }
 
-    /// Drops from the best explanation, and from one that would be better were no parameter of it at the end of its range,
-    /// every term without which the evidence is no less, or puts a simpler law in its place that it contains. What is known
-    /// without it is fitted again from where this one ended: a term may have led the others out of a minimum that was none
-    /// of theirs.
+    /// Drops from the best explanation every term without which the evidence is no less, or puts a simpler law in its place
+    /// that it contains. The explanation of the highest evidence is treated so first, even with a parameter at the end of its
+    /// range. Structures without a term are fitted again from here: the term may have led the others out of a false minimum.
     pub fn thin_out(&self, pool: &mut Pool) {
-        loop {
-            let first = [pool.leader(self.judge), pool.best(self.judge)].map(Explanation::clone);
-            let mut first = first.into_iter();
-            let Some(own) = first.find(|own| own.terms() > 1 && !pool.thin_out(own)) else {
-                return;
-            };
+        while let Some(own) = pool.next_to_thin_out(self.judge) {
             let point = &own.fitted.point;
             let terms: Vec<usize> = (point.given_terms..point.terms.len()).collect();
             let simpler = terms.into_par_iter().flat_map_iter(|term| {

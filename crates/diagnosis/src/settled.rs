@@ -57,7 +57,8 @@ fn with_noise_of_best(
 }
 
 impl Search<'_> {
-    /// The most probable explanations of a pool, fitted again and thinned out: what had no end may have one now.
+    /// The most probable explanations of a pool, fitted again and thinned out again: parameters may have reached the end of their
+    /// range.
     pub fn fitted_again(&self, pool: &Pool) -> Pool {
         let mut again = pool.map(self.judge, |own| {
             let (problem, projector) = (self.problem, self.projector);
