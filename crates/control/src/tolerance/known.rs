@@ -10,11 +10,11 @@ use super::{Moving, Tolerance};
 const WITHIN: f64 = 2.0;
 /// Nodes over a box for each hump of the residual over frequency; there is one hump for each Hz and second.
 const PER_HUMP: f64 = 6.0;
-/// Most nodes over the frequency.
-const MOST: f64 = 49.0;
-/// How many times finer the nodes are by which a motion is checked. The parabola between them errs by some 1e-5 of a hump.
+/// Most intervals between nodes over the frequency.
+const MOST: usize = 49;
+/// Refinement of the nodes of the check, on a move of any length: a parabola through three of them errs by 1e-5 of a hump.
 const FINER: usize = 4;
-/// Nodes over the damping ratio at an end of the frequency, where a motion is checked: there are no humps over it.
+/// Nodes of the check over the damping ratio, over which there are no humps.
 const OVER_DAMPING: usize = 5;
 /// Damping ratio above which there is no oscillation.
 const HIGHEST_DAMPING: f64 = 0.99;
@@ -66,10 +66,10 @@ impl Known {
         }
     }
 
-    /// Modes all over the boxes, as many as a motion of a duration (s) asks for.
+    /// Modes over the whole boxes, as many as a motion of a duration (s) needs, up to [`MOST`] intervals.
     pub fn nodes(&self, duration: f64) -> impl Iterator<Item = Swing> {
         self.boxes.iter().flat_map(move |one| {
-            let frequencies = evenly(one.frequency, one.humps(duration) + 1);
+            let frequencies = evenly(one.frequency, one.intervals(duration).min(MOST) + 1);
             frequencies.flat_map(|frequency| {
                 let ratios = evenly(one.damping_ratio, 2);
                 ratios.map(move |ratio| Swing::new(frequency, ratio))
@@ -79,8 +79,8 @@ impl Known {
 
     /// The largest amplitude that a motion of a duration (s) leaves of a mode anywhere in the boxes.
     ///
-    /// It is on the edge of a box. The amplitude is `|f(mu)| / omega_d`, where `f` is analytic in the pole `mu`. The logarithm of that is
-    /// subharmonic, as is `-log omega_d`. Between nodes of an edge the square of the amplitude is a parabola.
+    /// The largest is on the edge of a box. The amplitude is `|f(mu)| / omega_d`, where `f` is analytic in the pole `mu`. So `log |f|` is
+    /// subharmonic, and `-log omega_d` is subharmonic, too. Between nodes of an edge the square of the amplitude is nearly a parabola.
     pub fn most(&self, duration: f64, left: impl Fn(Swing) -> f64) -> f64 {
         let edges = self.boxes.iter().flat_map(|one| one.edges(duration));
         edges
@@ -101,16 +101,16 @@ impl ModeBox {
         }
     }
 
-    /// Intervals between nodes that the humps over the frequency ask for.
-    fn humps(&self, duration: f64) -> usize {
+    /// Intervals between nodes that the humps over the frequency need.
+    fn intervals(&self, duration: f64) -> usize {
         let [low, high] = self.frequency;
         let humps = duration * (high - low) / core::f64::consts::TAU;
-        (3.0 + PER_HUMP * humps).min(MOST) as usize
+        (3.0 + PER_HUMP * humps) as usize
     }
 
     /// Modes along the four edges.
     fn edges(&self, duration: f64) -> Vec<Vec<Swing>> {
-        let count = self.humps(duration) * FINER + 1;
+        let count = self.intervals(duration) * FINER + 1;
         let over_frequency = self.damping_ratio.map(|ratio| {
             let frequencies = evenly(self.frequency, count);
             frequencies
@@ -125,7 +125,7 @@ impl ModeBox {
     }
 }
 
-/// The highest point of a curve through these values: of the squares, by parabolas through three of them.
+/// The highest point of a curve through these values: the squares are interpolated by parabolas through three of them.
 fn peak(values: impl Iterator<Item = f64>) -> f64 {
     let squares: Vec<f64> = values.map(|value| value * value).collect();
     let between = squares.windows(3).filter_map(|three| {
