@@ -1,5 +1,6 @@
 //! The experiments of a diagnosis, and what is held out of them.
 
+use super::extrapolation::least_beyond;
 use super::problem::Rows;
 use super::scales::scales;
 use super::split::{self, HeldOut, Split};
@@ -27,10 +28,12 @@ impl Data {
     /// The data from experiments and others that are held out. Without the latter, stretches are held out.
     pub fn new(model: &Model, experiments: Vec<Experiment>, apart: Vec<Experiment>) -> Self {
         let scales = scales(model.kind, &model.keys(), &experiments, model);
+        let stretch = STRETCH * scales.period();
+        let from = least_beyond(&experiments, stretch);
         let (mut train, mut held_out) = (Vec::new(), Vec::new());
         for experiment in &experiments {
             let parts = match apart.is_empty() {
-                true => split::interleaved(experiment, STRETCH * scales.period()),
+                true => split::interleaved(experiment, stretch, from),
                 false => Split {
                     train: split::whole(experiment),
                     held_out: vec![Vec::new(); experiment.outputs.len()],

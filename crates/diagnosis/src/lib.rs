@@ -24,6 +24,7 @@ mod excitation;
 mod experiments;
 mod explanation;
 mod extend;
+mod extrapolation;
 mod fit;
 mod follows_motion;
 mod found;

@@ -45,28 +45,14 @@ pub fn first(experiment: &Experiment, rows: usize) -> Vec<Rows> {
 /// Fewest stretches, so that each third of them covers the whole motion.
 const FEWEST: usize = 6;
 
-/// Holds out every third stretch of this length, s. All parts of a recording are then in both, also an event
-/// that happens once.
-pub fn interleaved(experiment: &Experiment, stretch: f64) -> Split {
-    let (first, last) = experiment.span();
-    let count = (((last - first) / stretch).floor() as usize).max(FEWEST);
-    let edge = |output: &Output, k: usize| {
-        let share = k as f64 / count as f64;
-        let inner = || {
-            output
-                .time
-                .partition_point(|t| *t < first + (last - first) * share)
-        };
-        if k == count {
-            output.values.len()
-        } else {
-            inner()
-        }
-    };
+/// Holds out every third stretch of this length, s, from the one of this index (0 to 2) on. All parts of a recording are then in
+/// both, also an event that happens once.
+pub fn interleaved(experiment: &Experiment, stretch: f64, from: usize) -> Split {
     let rows = |is_kept: bool| {
         let of = |output: &Output| {
-            let all = (0..count).filter(|k| (k % 3 == 1) == is_kept);
-            all.map(|k| edge(output, k)..edge(output, k + 1)).collect()
+            let all = parts(experiment, &output.time, stretch).into_iter();
+            let kept = all.enumerate().filter(|(k, _)| (k % 3 == from) == is_kept);
+            kept.map(|(_, rows)| rows).collect()
         };
         experiment.outputs.iter().map(of).collect()
     };
@@ -74,4 +60,16 @@ pub fn interleaved(experiment: &Experiment, stretch: f64) -> Split {
         train: rows(false),
         held_out: rows(true),
     }
+}
+
+/// The samples with these stamps, in stretches of about this length, s, over the whole experiment.
+pub fn parts(experiment: &Experiment, time: &[f64], stretch: f64) -> Rows {
+    let (first, last) = experiment.span();
+    let count = (((last - first) / stretch).floor() as usize).max(FEWEST);
+    let inner = |k: usize| first + (last - first) * k as f64 / count as f64;
+    let edge = |k: usize| match k == count {
+        true => time.len(),
+        false => time.partition_point(|t| *t < inner(k)),
+    };
+    (0..count).map(|k| edge(k)..edge(k + 1)).collect()
 }
