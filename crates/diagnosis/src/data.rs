@@ -55,10 +55,12 @@ impl Data {
         }
     }
 
-    /// The same data in long steps of the integration; `None` where that saves none.
-    pub fn in_long_steps(&self, model: &Model) -> Option<Self> {
+    /// The same data in long steps of the integration, halved so many times; `None` where that saves none.
+    pub fn in_long_steps(&self, model: &Model, halved: i32) -> Option<Self> {
         let long = |all: &[Experiment]| -> Vec<Option<Experiment>> {
-            all.iter().map(|own| own.in_long_steps(model)).collect()
+            all.iter()
+                .map(|own| own.in_long_steps(model, halved))
+                .collect()
         };
         let (experiments, apart) = (long(&self.experiments), long(&self.apart));
         experiments.iter().any(Option::is_some).then(|| {

@@ -40,7 +40,7 @@ pub fn held_input(
     let (other, words) = match usual[0].hold {
         Hold::Linear => (Hold::ZeroOrder, "held from sample to sample"),
         Hold::ZeroOrder => (Hold::Linear, "straight lines between its samples"),
-        Hold::Spline | Hold::Smooth(_) => return Ok(None),
+        Hold::Spline | Hold::Smooth(_) | Hold::Mean(_) => return Ok(None),
     };
     let mut model_held = model.clone();
     model_held.hold = Some(other);

@@ -9,6 +9,7 @@
 use super::baseline::first_guess;
 use super::candidate::Known;
 use super::explanation::Explanation;
+use super::fit::Linearised;
 use super::judge::Judge;
 use super::outcome::Progress;
 use super::point::Point;
@@ -17,6 +18,8 @@ use super::problem::Problem;
 use super::projector::{Projector, orthonormal};
 use super::settled::{search, settled};
 use super::thresholds::LONG;
+use nalgebra::DMatrix;
+use quell_model::Experiment;
 
 /// Greatest error of long steps that does not matter to a search, in standard deviations of a sensor's noise.
 const UNSEEN: f64 = 0.2;
@@ -30,15 +33,14 @@ pub fn searched_in_long_steps(
     baseline: &Explanation,
     told: (&Known, Progress),
 ) -> Option<Pool> {
-    let long = judge.data.in_long_steps(judge.model)?;
     let point = &baseline.fitted.point;
+    let unseen = Unseen::new(problem, point);
+    let mut shorter = (0..).map_while(|halved| judge.data.in_long_steps(judge.model, halved));
+    let long = shorter.find(|long| unseen.is_error_of(&long.experiments))?;
     let mut own = Problem {
         experiments: &long.experiments,
         ..problem.clone()
     };
-    if !is_unseen(problem, &own, point) {
-        return None;
-    }
     let other = Judge::new(judge.model, &long, &own, point);
     let fitted = own.fit(point, projector, LONG);
     let first = other.judge(&own, projector, fitted);
@@ -48,25 +50,47 @@ pub fn searched_in_long_steps(
 }
 
 /// Whether the error of long steps, beyond what the model's keys compensate, is too small for the sensors.
-fn is_unseen(short: &Problem, long: &Problem, point: &Point) -> bool {
-    let noise = short.experiments.iter().map(first_guess).collect();
-    let short = Problem {
-        whitening: noise,
-        ..short.clone()
-    };
-    let long = Problem {
-        whitening: short.whitening.clone(),
-        ..long.clone()
-    };
-    let projector = Projector::new(&short);
-    let here = short.linearise(point, &projector);
-    let there = long.evaluate(point, &projector);
-    let (mut square, mut rows) = (0.0, 0);
-    for (e, jacobian) in here.jacobians.iter().enumerate() {
-        let change = &there.residuals[e] - &here.residuals[e];
-        let basis = orthonormal(jacobian.clone());
-        square += (&change - &basis * basis.tr_mul(&change)).norm_squared();
-        rows += change.len();
+struct Unseen<'a> {
+    short: Problem<'a>,
+    point: &'a Point,
+    projector: Projector,
+    /// With the steps of the problem.
+    here: Linearised,
+    /// Bases of what the keys compensate, for each experiment.
+    bases: Vec<DMatrix<f64>>,
+}
+
+impl<'a> Unseen<'a> {
+    /// At a point, with a first guess of the noise.
+    fn new(problem: &Problem<'a>, point: &'a Point) -> Self {
+        let short = Problem {
+            whitening: problem.experiments.iter().map(first_guess).collect(),
+            ..problem.clone()
+        };
+        let projector = Projector::new(&short);
+        let here = short.linearise(point, &projector);
+        Self {
+            bases: here.jacobians.iter().cloned().map(orthonormal).collect(),
+            short,
+            point,
+            projector,
+            here,
+        }
     }
-    square <= UNSEEN.powi(2) * rows as f64
+
+    /// Whether no sensor sees the error of the steps of these experiments.
+    fn is_error_of(&self, experiments: &[Experiment]) -> bool {
+        let long = Problem {
+            experiments,
+            ..self.short.clone()
+        };
+        let there = long.evaluate(self.point, &self.projector);
+        let (mut square, mut rows) = (0.0, 0);
+        for (e, basis) in self.bases.iter().enumerate() {
+            let change = &there.residuals[e] - &self.here.residuals[e];
+            square += (&change - basis * basis.tr_mul(&change)).norm_squared();
+            rows += change.len();
+        }
+        square <= UNSEEN.powi(2) * rows as f64
+    }
 }

@@ -1,6 +1,7 @@
 //! Coupling of a free motor side to its measured motion.
 
 use super::piecewise::{Cubic, Grid, RADIANS_A_STEP, smooth};
+use crate::effects::Sensor;
 use quell_signal::{CubicSpline, End};
 use std::sync::Arc;
 
@@ -21,7 +22,9 @@ pub struct Coupling {
     pub rate: f64,
     /// `r`, as a spline.
     motion: Arc<CubicSpline>,
-    /// The same between the nodes of a grid.
+    /// Nodes of a grid, s.
+    nodes: Arc<[f64]>,
+    /// The same between these nodes.
     pieces: Arc<[Cubic]>,
 }
 
@@ -33,16 +36,29 @@ impl Coupling {
         let coupling = Self {
             rate,
             motion: Arc::new(motion),
+            nodes: Arc::new([]),
             pieces: Arc::new([]),
         };
-        Some(coupling.over(grid))
+        Some(coupling.over(grid, &[]))
     }
 
-    /// The same for other steps of the integration.
-    pub(super) fn over(&self, grid: &Grid) -> Self {
+    /// The same for other steps of the integration, and an encoder with these effects. If it shows at `t` the motion of another
+    /// instant `f(t)`, the motion at an instant was measured at `f^-1` of it, which to first order is `2 t - f(t)`. Without that a
+    /// motion ahead of the measured one would be pulled back to it.
+    pub(super) fn over(&self, grid: &Grid, sensors: &[Box<dyn Sensor>]) -> Self {
+        let shown = |t: f64| sensors.iter().fold(t, |t, sensor| sensor.instant(t));
+        let (first, last) = self.motion.span();
+        let in_time = shown(first) == first && shown(last) == last;
+        if in_time && self.nodes[..] == grid.time[..] {
+            return self.clone();
+        }
+        let measured = |t: f64| (2.0 * t - shown(t)).clamp(first, last);
         let piece = |ends: &[f64]| {
             let h = ends[1] - ends[0];
-            let at = |t| (self.motion.value(t), self.motion.derivative(t));
+            let at = |t| {
+                let t = measured(t);
+                (self.motion.value(t), self.motion.derivative(t))
+            };
             let ((value, rate), (end, end_rate)) = (at(ends[0]), at(ends[1]));
             let slope = (end - value) / h;
             let square = (3.0 * slope - 2.0 * rate - end_rate) / h;
@@ -54,6 +70,10 @@ impl Coupling {
             ])
         };
         Self {
+            nodes: match in_time {
+                true => grid.time.as_slice().into(),
+                false => Arc::new([]),
+            },
             pieces: grid.time.windows(2).map(piece).collect(),
             ..self.clone()
         }

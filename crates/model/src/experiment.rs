@@ -101,7 +101,7 @@ impl Experiment {
 
     /// Sets other nodes of the integration.
     pub(super) fn set_grid(&mut self, grid: Grid) {
-        self.coupling = self.coupling.take().map(|own| own.over(&grid));
+        self.coupling = self.coupling.take().map(|own| own.over(&grid, &[]));
         self.grid = grid;
     }
 

@@ -171,19 +171,21 @@ impl Experiment {
         unseen.all(|unseen| unseen)
     }
 
-    /// The same with long steps, if that saves some, for a search that fits the keys with them.
+    /// The same with long steps, halved so many times, for a search that fits the keys with them; `None` where that saves none.
     #[must_use]
-    pub fn in_long_steps(&self, model: &Model) -> Option<Self> {
-        let step = LONG * RADIANS_A_STEP / self.fastest(model);
-        let (time, values) = (&self.input_time, &self.input_values);
-        let grid = match self.hold {
-            Hold::ZeroOrder => Grid::of_means(time, values, step),
-            hold => Grid::new(time, values, hold, LONGEST * step),
+    pub fn in_long_steps(&self, model: &Model, halved: i32) -> Option<Self> {
+        let (from, until) = self.span();
+        let longest = (LONG * RADIANS_A_STEP / self.fastest(model)).min(until - from);
+        let step = longest * 0.5f64.powi(halved);
+        let (hold, length) = match self.hold {
+            Hold::ZeroOrder | Hold::Linear => (Hold::Mean(step), step),
+            hold => (hold, LONGEST * step),
         };
-        let grid = grid.ok()?;
+        let grid = Grid::new(&self.input_time, &self.input_values, hold, length).ok()?;
         let spared = (grid.input.len() as f64) < SPARED * self.grid.input.len() as f64;
         spared.then(|| {
             let mut long = self.clone();
+            long.hold = hold;
             long.set_grid(grid);
             long
         })
@@ -197,9 +199,12 @@ impl Experiment {
         all.into_iter().map(|one| one.values).collect()
     }
 
-    /// Fastest angular frequency of the chain, rad/s, at the least known inertia.
+    /// Fastest angular frequency of the chain, rad/s, at the least known inertia, with its coupling.
     fn fastest(&self, model: &Model) -> f64 {
-        model.fastest() * hastened(model, self.input, &self.known)
+        let own = model.fastest() * hastened(model, self.input, &self.known);
+        self.coupling
+            .as_ref()
+            .map_or(own, |coupling| own.max(coupling.rate))
     }
 
     /// Index of the channel that drives the model.

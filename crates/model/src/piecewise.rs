@@ -1,7 +1,7 @@
 //! The input of a chain between the nodes of the integration grid: one cubic a step.
 
 use nalgebra::{Matrix4, Vector4};
-use quell_signal::{CubicSpline, End, SignalError};
+use quell_signal::{CubicSpline, End, SignalError, check_knots};
 
 /// Radians of the fastest mode in a step. With 0.25 the classical Runge-Kutta method errs by
 /// `0.25^4 / 120 = 3e-5` of the frequency, a tenth of what the best recordings determine, and by
@@ -56,6 +56,8 @@ pub enum Hold {
     /// A spline through local cubics, at a spacing of about so many seconds, for positions that were sampled
     /// more densely than their motion needs.
     Smooth(f64),
+    /// The mean over about so many seconds, for a force on dynamics that are slow beside its samples.
+    Mean(f64),
 }
 
 /// Nodes of the integration and the input between them.
@@ -74,26 +76,35 @@ impl Grid {
     /// [`SignalError`] for fewer than two samples, values that are not finite, times that do not
     /// advance.
     pub fn new(time: &[f64], values: &[f64], hold: Hold, step: f64) -> Result<Self, SignalError> {
-        let spline = CubicSpline::new(time, values, End::NotAKnot)?;
+        check_knots(time, values)?;
         if let Hold::Smooth(spacing) = hold {
             let (time, values) = smooth(time, values, spacing);
             return Self::new(&time, &values, Hold::Spline, step);
         }
-        let mut grid = Self {
-            time: vec![time[0]],
-            input: Vec::new(),
+        if let Hold::Mean(spacing) = hold {
+            let (time, values) = means(time, values, spacing);
+            return Self::new(&time, &values, Hold::ZeroOrder, step);
+        }
+        let spline = match hold {
+            Hold::Linear | Hold::ZeroOrder => None,
+            _ => Some(CubicSpline::new(time, values, End::NotAKnot)?),
         };
+        let mut grid = Self {
+            time: Vec::with_capacity(time.len()),
+            input: Vec::with_capacity(time.len()),
+        };
+        grid.time.push(time[0]);
         for k in 0..time.len() - 1 {
             let (t0, h) = (time[k], time[k + 1] - time[k]);
             let slope = (values[k + 1] - values[k]) / h;
-            let whole = match hold {
-                Hold::Spline | Hold::Smooth(_) => {
+            let whole = match &spline {
+                Some(spline) => {
                     let (m0, m1) = (spline.second(k), spline.second(k + 1));
                     let rate = slope - h * (2.0 * m0 + m1) / 6.0;
                     Cubic([values[k], rate, m0 / 2.0, (m1 - m0) / (6.0 * h)])
                 }
-                Hold::Linear => Cubic([values[k], slope, 0.0, 0.0]),
-                Hold::ZeroOrder => Cubic([values[k], 0.0, 0.0, 0.0]),
+                None if hold == Hold::Linear => Cubic([values[k], slope, 0.0, 0.0]),
+                None => Cubic([values[k], 0.0, 0.0, 0.0]),
             };
             // A hair below the quotient, so that an exact multiple is not divided further.
             let parts = (h / step * (1.0 - 1e-9)).ceil().max(1.0) as usize;
@@ -111,33 +122,25 @@ impl Grid {
         Ok(grid)
     }
 
-    /// The grid of an input that is held from sample to sample, averaged over about a step each: the effect on
-    /// slow dynamics is the same.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn of_means(time: &[f64], values: &[f64], step: f64) -> Result<Self, SignalError> {
-        let last = time.len().saturating_sub(1);
-        let knots = spaced(time, step);
-        let mean = |pair: &[usize]| {
-            let own = pair[0]..pair[1];
-            let whole: f64 = own
-                .clone()
-                .map(|k| values[k] * (time[k + 1] - time[k]))
-                .sum();
-            whole / (time[pair[1]] - time[pair[0]])
-        };
-        let mut means: Vec<f64> = knots.windows(2).map(mean).collect();
-        means.extend(values.get(last));
-        let time: Vec<f64> = knots.iter().map(|&knot| time[knot]).collect();
-        Self::new(&time, &means, Hold::ZeroOrder, step)
-    }
-
     /// The longest step, s.
     pub fn step(&self) -> f64 {
         let steps = self.time.windows(2).map(|w| w[1] - w[0]);
         steps.fold(0.0, f64::max)
     }
+}
+
+/// Stamps at about this spacing, with the first and the last, and the mean of an input from each to the next. A force and its mean
+/// have the same effect on slow dynamics.
+fn means(time: &[f64], values: &[f64], spacing: f64) -> (Vec<f64>, Vec<f64>) {
+    let knots = spaced(time, spacing);
+    let mean = |pair: &[usize]| {
+        let own = pair[0]..pair[1];
+        let whole: f64 = own.map(|k| values[k] * (time[k + 1] - time[k])).sum();
+        whole / (time[pair[1]] - time[pair[0]])
+    };
+    let mut means: Vec<f64> = knots.windows(2).map(mean).collect();
+    means.extend(values.last());
+    (knots.iter().map(|&knot| time[knot]).collect(), means)
 }
 
 /// Stamps at about this spacing, with the first and the last, and at each the value of the cubic fitted to the

@@ -205,11 +205,7 @@ fn ready<'a>(
     }
     let grid = grid(&chain, experiment, &drives);
     if let Some(coupling) = &experiment.coupling {
-        let own = match &grid {
-            Cow::Borrowed(_) => coupling.clone(),
-            Cow::Owned(grid) => coupling.over(grid),
-        };
-        chain.pull = Some(Pull::new(own, &grid));
+        chain.pull = Some(Pull::new(coupling.over(&grid, &sensors), &grid));
     }
     let mut departures = departures.iter().copied();
     let state = start(

@@ -326,6 +326,9 @@ impl<'a> Stepper<'a> {
     }
 
     fn remember(&mut self, state: &State, time: f64, input: [f64; 3]) {
+        if self.chain.forces.is_empty() {
+            return;
+        }
         let motion = self
             .chain
             .position::<true>(&self.constants, time, state, input)

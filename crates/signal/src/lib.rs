@@ -39,6 +39,6 @@ pub use noise::{NoiseFloor, noise_floor, quantisation_step};
 pub use registration::{Registration, kabsch};
 pub use rest::{Motion, Phase, RestDetector, RestRule, free_decays, phases};
 pub use spectrum::{Peak, Spectrum, Window, spectrum};
-pub use spline::{CubicSpline, End};
+pub use spline::{CubicSpline, End, check_knots};
 pub use tip_registration::TipRegistration;
 pub use urdf::{read_urdf, read_urdf_tree};

@@ -41,14 +41,7 @@ impl CubicSpline {
     /// [`SignalError`] for fewer than 2 samples, different lengths, a value that is not finite or a
     /// time that does not advance.
     pub fn new(time: &[f64], values: &[f64], end: End) -> Result<Self, SignalError> {
-        check_series("spline", time, values)?;
-        if time.len() < 2 {
-            return Err(SignalError::TooFew {
-                what: "spline",
-                found: time.len(),
-                needed: 2,
-            });
-        }
+        check_knots(time, values)?;
         let second = second_derivatives(time, values, end);
         Ok(Self {
             time: time.to_vec(),
@@ -111,6 +104,22 @@ impl CubicSpline {
     pub(super) fn slope(&self, k: usize, h: f64) -> f64 {
         (self.values[k + 1] - self.values[k]) / h
             - h * (2.0 * self.second[k] + self.second[k + 1]) / 6.0
+    }
+}
+
+/// Refuses what no curve goes through: fewer than 2 samples, and what [`CubicSpline::new`] refuses.
+///
+/// # Errors
+/// [`SignalError`] with the first bad value and its index.
+pub fn check_knots(time: &[f64], values: &[f64]) -> Result<(), SignalError> {
+    check_series("spline", time, values)?;
+    match time.len() < 2 {
+        true => Err(SignalError::TooFew {
+            what: "spline",
+            found: time.len(),
+            needed: 2,
+        }),
+        false => Ok(()),
     }
 }
 
