@@ -1,4 +1,4 @@
-//! Which third of the stretches is held out: the one that goes least beyond what the others visit.
+//! Which of the stretches are held out: those that go least beyond what the others visit.
 //!
 //! What acts in the held-out stretches alone cannot be learned from the others. Examples are a limit of the drive that only the
 //! largest force reaches, and an end stop that only the longest move meets. No structure then predicts what was held out, and the
@@ -6,24 +6,21 @@
 //!
 //! Source: Snee, Validation of regression models, Technometrics 19 (1977), for splits whose parts cover the same region.
 
-use super::split::parts;
+use super::split::{EVERY, parts};
 use quell_model::Experiment;
 use quell_model::effects::KNOTS;
 use std::ops::Range;
 
-/// Ways to hold out every third stretch.
-const WAYS: usize = 3;
-/// The one that is taken where all are alike: it begins and ends with fitted stretches.
-const USUAL: usize = 1;
+/// First stretches that may be held out. The very first one shows the start: what friction holds there stays until the motion
+/// begins. Where both are alike, the recording begins and ends with fitted stretches.
+const FIRST: [usize; 2] = [1, 2];
 /// Parts of a stretch over which a change is taken: a stretch has three periods, so that a part is a tenth of a period.
 const PARTS: usize = 30;
 
 /// The index of the first stretch that is held out.
 pub fn least_beyond(experiments: &[Experiment], stretch: f64) -> usize {
-    let ways = [USUAL, 0, 2];
-    let costs = ways.map(|from| beyond(experiments, stretch, from));
-    let best = (0..WAYS).min_by(|a, b| costs[*a].total_cmp(&costs[*b]));
-    ways[best.unwrap_or(0)]
+    let costs = FIRST.map(|from| beyond(experiments, stretch, from));
+    FIRST[usize::from(costs[1] < costs[0])]
 }
 
 /// By how much held-out stretches go beyond the fitted ones: the sum over input, outputs and their changes, each as a share of
@@ -36,7 +33,7 @@ fn beyond(experiments: &[Experiment], stretch: f64, from: usize) -> f64 {
                 continue;
             };
             for (k, rows) in parts(experiment, time, stretch).into_iter().enumerate() {
-                let part = usize::from(k % WAYS == from);
+                let part = usize::from(k % EVERY == from);
                 for (own, next) in spans[part].iter_mut().zip(visited(values, rows)) {
                     *own = [own[0].min(next[0]), own[1].max(next[1])];
                 }

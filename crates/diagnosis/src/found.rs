@@ -80,11 +80,9 @@ impl Search<'_> {
 
     fn first_sound(&self, pool: &mut Pool) -> Told {
         let temperature = pool.temperature(self.judge);
-        let ranked = pool
-            .ranked(temperature)
-            .into_iter()
-            .map(|own| own.0.clone());
-        let ranked: Vec<Explanation> = ranked.take_while(|own| own.terms() > 0).collect();
+        let ranked = self.simpler_first(&pool.ranked(temperature), temperature);
+        let ranked = ranked.into_iter().take_while(|own| own.terms() > 0);
+        let ranked: Vec<Explanation> = ranked.collect();
         let mut refused = Vec::new();
         for own in ranked {
             let better = own.held_out <= pool.baseline().held_out;

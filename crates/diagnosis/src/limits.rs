@@ -1,11 +1,13 @@
 //! Simpler laws in place of those that contain them as limits. An example: the weight of a load on an axis that
 //! hardly turns is a constant force.
 
-use super::point::Point;
+use super::explanation::Explanation;
+use super::found::CREDIBLE;
+use super::point::{EffectAt, Point};
 use super::problem::Problem;
 use super::search::Search;
 use quell_model::Term;
-use quell_model::effects::{Effect, Place};
+use quell_model::effects::{Effect, ParameterRole, Place};
 
 impl Search<'_> {
     /// Points in which a simpler law replaces a term that contains it, each at the best size of its grid.
@@ -16,6 +18,46 @@ impl Search<'_> {
             self.best_of_grid(point, term, (simpler, place))
         });
         there.collect()
+    }
+
+    /// Ranked explanations in the order in which they may be told. Where the data say nothing of the shape of a law, the simpler law
+    /// that it contains says as much, and comes first if it is in the credible set.
+    pub fn simpler_first(
+        &self,
+        ranked: &[(&Explanation, f64)],
+        temperature: f64,
+    ) -> Vec<Explanation> {
+        let mut order = Vec::new();
+        for &(own, log) in ranked {
+            let limits = self.limits_of_unknown_shape(own, temperature);
+            let simpler = ranked.iter().filter(|other| {
+                let theirs = other.0.effects();
+                let is_limit = limits.iter().any(|own| {
+                    own.len() == theirs.len() && own.iter().all(|effect| theirs.contains(effect))
+                });
+                is_limit && log - other.1 < -(1.0 - CREDIBLE).ln()
+            });
+            order.extend(simpler.map(|other| other.0.clone()));
+            order.push(own.clone());
+        }
+        order
+    }
+
+    /// The effects of an explanation, with a simpler one in the place of one of unknown shape that contains it.
+    fn limits_of_unknown_shape(&self, own: &Explanation, temperature: f64) -> Vec<Vec<EffectAt>> {
+        let unknown = self.problem.unknown(own, temperature).into_iter();
+        let shapeless = unknown.filter(|(_, role)| *role == ParameterRole::Shape);
+        let with_limits = shapeless.flat_map(|(term, _)| {
+            let (effect, place) = own.fitted.point.terms[term].identity();
+            effect.limits().filter_map(move |limit| {
+                let there = place_of(self.problem, limit, place)?;
+                let mut effects = own.effects();
+                let index = effects.iter().position(|other| *other == (effect, place))?;
+                effects[index] = (limit, there);
+                Some(effects)
+            })
+        });
+        with_limits.collect()
     }
 
     fn best_of_grid(

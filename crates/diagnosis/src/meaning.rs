@@ -44,16 +44,27 @@ impl Problem<'_> {
     /// end of its range, and no confidence interval spans the whole range. The shape of a law is exempt, since
     /// it may not matter.
     pub fn is_meaningful(&self, explanation: &Explanation, temperature: f64) -> bool {
+        let unknown = self.unknown(explanation, temperature);
+        let mut roles = unknown.into_iter().map(|(_, role)| role);
+        roles.all(|role| !has_ends(role) || role == ParameterRole::Shape) && !explanation.is_at_end
+    }
+
+    /// Term and role of the parameters of added effects whose confidence interval spans the whole range.
+    pub fn unknown(
+        &self,
+        explanation: &Explanation,
+        temperature: f64,
+    ) -> Vec<(usize, ParameterRole)> {
         let fitted = &explanation.fitted;
         let deviations = explanation.evidence.deviations(temperature);
-        let mut added = added(&fitted.point, &fitted.globals);
-        let known = added.all(|(unknown, term, index)| {
+        let wide = |(unknown, term, index): (usize, usize, usize)| {
             let role = fitted.point.terms[term].effect.parameters[index].role;
             let (low, high) = self.limits(&fitted.point, Global::Parameter(term, index));
-            let wide = 2.0 * NORMAL_95 * deviations[unknown] > high - low;
-            !wide || !has_ends(role) || role == ParameterRole::Shape
-        });
-        known && !explanation.is_at_end
+            (2.0 * NORMAL_95 * deviations[unknown] > high - low).then_some((term, role))
+        };
+        added(&fitted.point, &fitted.globals)
+            .filter_map(wide)
+            .collect()
     }
 }
 

@@ -42,16 +42,20 @@ pub fn first(experiment: &Experiment, rows: usize) -> Vec<Rows> {
     experiment.outputs.iter().map(first).collect()
 }
 
+/// Of so many stretches one is held out.
+pub const EVERY: usize = 3;
 /// Fewest stretches, so that each third of them covers the whole motion.
 const FEWEST: usize = 6;
 
-/// Holds out every third stretch of this length, s, from the one of this index (0 to 2) on. All parts of a recording are then in
+/// Holds out every third stretch of this length, s, from the one of this index on. All parts of a recording are then in
 /// both, also an event that happens once.
 pub fn interleaved(experiment: &Experiment, stretch: f64, from: usize) -> Split {
     let rows = |is_kept: bool| {
         let of = |output: &Output| {
             let all = parts(experiment, &output.time, stretch).into_iter();
-            let kept = all.enumerate().filter(|(k, _)| (k % 3 == from) == is_kept);
+            let kept = all
+                .enumerate()
+                .filter(|(k, _)| (k % EVERY == from) == is_kept);
             kept.map(|(_, rows)| rows).collect()
         };
         experiment.outputs.iter().map(of).collect()

@@ -6,7 +6,7 @@ use super::experiment::Experiment;
 use super::gain;
 use super::known::{Equation, Known};
 use super::output::output;
-use super::piecewise::{Grid, Hold, RADIANS_A_STEP};
+use super::piecewise::{Grid, Hold, RADIANS_A_STEP, left_out};
 use super::predict::predict_windows;
 use super::windows::windows;
 use super::{Departure, ExperimentError, Model, Term};
@@ -19,6 +19,9 @@ const FINER: f64 = 4.0;
 /// Length of a long step, in normal ones. For a linear chain the classical Runge-Kutta method is exact for
 /// another chain, whose frequency is wrong by `0.5^4 / 120 = 5e-4`: a fit with long steps finds that chain.
 const LONG: f64 = 2.0;
+
+/// Share of a force that its means over the steps may leave out: the typical size of a law of the catalogue.
+const LEFT_OUT: f64 = 0.1;
 
 /// Largest ratio of a knot distance to its nominal value, since knots are samples.
 const LONGEST: f64 = 1.3;
@@ -174,9 +177,7 @@ impl Experiment {
     /// The same with long steps, halved so many times, for a search that fits the keys with them; `None` where that saves none.
     #[must_use]
     pub fn in_long_steps(&self, model: &Model, halved: i32) -> Option<Self> {
-        let (from, until) = self.span();
-        let longest = (LONG * RADIANS_A_STEP / self.fastest(model)).min(until - from);
-        let step = longest * 0.5f64.powi(halved);
+        let step = self.longest_step(model) * 0.5f64.powi(halved);
         let (hold, length) = match self.hold {
             Hold::ZeroOrder | Hold::Linear => (Hold::Mean(step), step),
             hold => (hold, LONGEST * step),
@@ -189,6 +190,17 @@ impl Experiment {
             long.set_grid(grid);
             long
         })
+    }
+
+    /// The longest step of a search, s. Within one a force does not change by more than the laws that act on it.
+    fn longest_step(&self, model: &Model) -> f64 {
+        let (from, until) = self.span();
+        let mut step = (LONG * RADIANS_A_STEP / self.fastest(model)).min(until - from);
+        let is_force = matches!(self.hold, Hold::ZeroOrder | Hold::Linear);
+        while is_force && left_out(&self.input_time, &self.input_values, step) > LEFT_OUT {
+            step *= 0.5;
+        }
+        step
     }
 
     /// The prediction of each output, with the first guess of its clock.

@@ -143,6 +143,25 @@ fn means(time: &[f64], values: &[f64], spacing: f64) -> (Vec<f64>, Vec<f64>) {
     (knots.iter().map(|&knot| time[knot]).collect(), means)
 }
 
+/// What means over a spacing leave out of an input, as a share of its standard deviation; 0 of a constant one.
+pub(super) fn left_out(time: &[f64], values: &[f64], spacing: f64) -> f64 {
+    let variance = |values: &[f64]| {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
+    };
+    let knots = spaced(time, spacing);
+    let within: f64 = knots
+        .windows(2)
+        .map(|pair| variance(&values[pair[0]..pair[1]]))
+        .sum();
+    let whole = variance(values);
+    if whole > 0.0 {
+        (within / whole).sqrt()
+    } else {
+        0.0
+    }
+}
+
 /// Stamps at about this spacing, with the first and the last, and at each the value of the cubic fitted to the
 /// samples within one spacing. The noise is reduced as in a slower sensor that averages.
 ///
