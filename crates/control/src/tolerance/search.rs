@@ -1,23 +1,33 @@
-//! A move of a given number of ticks within a tolerance, if there is one.
+//! Moves that are tried, and what they leave: by trains, and of a given number of ticks by the convex problem.
 
-use quell_shapers::GridTrain;
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory, Trajectory};
 
 use super::check::{exact_end, keeps_limits};
 use super::known::Known;
 use super::program::{Axis, Program};
+use super::steps::{Step, steps};
 use super::swing::Swing;
+use super::trains::Trains;
 use super::{Bounds, Fastest, Moving, Tolerance, ToleranceError};
 
-/// Number of steps in a period of the fastest mode, and in the ramp of the acceleration at the limits. With 48
-/// to 128 steps a problem takes 5 to 20 ms.
+/// Number of steps in a period of the fastest mode, and in the ramp of the acceleration at the limits.
 const PER_PERIOD: f64 = 12.0;
 const PER_RAMP: f64 = 3.0;
-const STEPS: (f64, f64) = (48.0, 128.0);
 /// Greatest lengthening of a move, in periods of the slowest mode: twice the length of ZVDD.
 const LONGER: f64 = 3.0;
 /// Number of attempts with joints off the path; each reduces the bound at the steps by the excess between them.
 const ATTEMPTS: usize = 3;
+
+/// What a move leaves.
+#[derive(Clone, Copy)]
+pub struct Left {
+    pub bounds: Bounds,
+    /// The largest amplitude of a joint over the allowed one: at most 1 within the tolerance.
+    pub excess: f64,
+}
+
+/// A move that was tried: within the tolerance, or what it leaves; nothing where there is no solution.
+type Tried = Result<Fastest, Option<Left>>;
 
 /// A move, and the allowed residual of each of its joints.
 pub struct Search<'a> {
@@ -85,15 +95,35 @@ impl<'a> Search<'a> {
         }))
     }
 
-    /// The share of the unshaped vibration of the first joint that a train leaves of the plan at the limits.
-    pub fn share_left(&self, train: &GridTrain) -> f64 {
-        let known = &self.known[0];
+    /// The share of the unshaped vibration of the first joint that trains leave of the plan at the limits.
+    pub fn share_left(&self, trains: &Trains) -> f64 {
+        self.left_by_trains(trains, 0) / self.known[0].unshaped
+    }
+
+    /// The shortest move by the trains of a shaper that is within the tolerance, else what the best of them leaves.
+    pub fn by_trains(&self) -> Tried {
+        let modes = self.joints.iter().flat_map(|joint| &joint.modes);
+        let mut best: Option<Left> = None;
+        for trains in Trains::of_catalogue(modes, self.period) {
+            let left = self.left(|index| self.left_by_trains(&trains, index), 0.0);
+            if left.excess > 1.0 {
+                best = least(best, Some(left));
+            } else if let Some(plan) = trains.shaped(&self.full)
+                && let Ok(path) = plan.sample(self.period)
+            {
+                return Ok(left.of(self.along(&path)));
+            }
+        }
+        Err(best)
+    }
+
+    fn left_by_trains(&self, trains: &Trains, index: usize) -> f64 {
         let full = &self.full.axes()[0];
-        let left = known.most(self.full.duration(), |swing| {
+        let left = self.known[index].most(self.full.duration(), |swing| {
             let (frequency, ratio) = (swing.frequency(), swing.damping_ratio());
-            swing.left_by_plan(full) * train.residual_vibration(frequency, ratio)
+            swing.left_by_plan(full) * trains.residual(frequency, ratio)
         });
-        self.joints[0].distance().abs() * left / known.unshaped
+        self.joints[index].distance().abs() * left
     }
 
     /// Ticks of the unshaped move, and of the longest that is tried.
@@ -103,45 +133,43 @@ impl<'a> Search<'a> {
         [full, full + LONGER * slowest].map(|time| (time / self.period).ceil() as usize)
     }
 
-    /// A move of this number of ticks within the tolerance, if there is one: off the path where that is
-    /// allowed, else along it.
-    pub fn within(&self, ticks: usize) -> Option<Fastest> {
-        let apart = self.deviation.and_then(|most| self.apart(ticks, most));
-        apart.or_else(|| self.along_path(ticks))
+    /// A move of this number of ticks of least residual: off the path where that is allowed, else along it.
+    pub fn within(&self, ticks: usize) -> Tried {
+        match self.deviation.map(|most| self.apart(ticks, most)) {
+            None => self.along_path(ticks),
+            Some(Ok(found)) => Ok(found),
+            Some(Err(apart)) => self.along_path(ticks).map_err(|along| least(apart, along)),
+        }
     }
 
     /// A move whose joints leave the path by at most a distance (m).
-    fn apart(&self, ticks: usize, most: f64) -> Option<Fastest> {
-        let axes: Vec<Axis> = self
-            .joints
-            .iter()
-            .enumerate()
-            .map(|(index, joint)| Axis {
-                distance: joint.distance(),
-                limits: joint.limits,
-                modes: self.modes(index, 1.0, ticks),
-                lever: joint.lever,
-            })
-            .collect();
+    fn apart(&self, ticks: usize, most: f64) -> Tried {
+        let axes = self.joints.iter().enumerate().map(|(index, joint)| Axis {
+            distance: joint.distance(),
+            limits: joint.limits,
+            modes: self.modes(index, 1.0, ticks),
+            lever: joint.lever,
+        });
+        let axes: Vec<Axis> = axes.collect();
+        let ends: Vec<[f64; 2]> = self.joints.iter().map(|joint| joint.ends).collect();
         let mut deviation = most;
         for _ in 0..ATTEMPTS {
-            let (jerks, h) = self.solve(&axes, deviation, ticks)?;
-            let each = jerks.iter().zip(self.joints);
-            let plans = each.map(|(jerks, joint)| self.plan(jerks, h, joint.ends));
-            let plans = plans.collect::<Option<Vec<_>>>()?;
+            let motions = self.solve(&axes, deviation, (ticks, &ends)).ok_or(None)?;
+            let plans = motions.iter().map(|motion| motion.sample(self.period).ok());
+            let plans = plans.collect::<Option<Vec<_>>>().ok_or(None)?;
             let departure = self.departure(&plans);
             if departure <= most {
-                let left = |index: usize| self.left_by(&jerks[index], h, index);
-                return self.told(plans, left, departure);
+                let left = |index: usize| self.left_by(&motions[index], index);
+                return self.left(left, departure).within(|| Some(plans));
             }
             // The bound holds at the steps; between them the deviation may be larger.
             deviation *= 0.99 * most / departure;
         }
-        None
+        Err(None)
     }
 
     /// A move with all joints along the path.
-    fn along_path(&self, ticks: usize) -> Option<Fastest> {
+    fn along_path(&self, ticks: usize) -> Tried {
         let distance = |index: usize| self.joints[index].distance().abs();
         let all =
             (0..self.joints.len()).flat_map(|index| self.modes(index, distance(index), ticks));
@@ -151,46 +179,45 @@ impl<'a> Search<'a> {
             modes: all.collect(),
             lever: 0.0,
         };
-        let (jerks, h) = self.solve(&[axis], 0.0, ticks)?;
-        let path = self.plan(&jerks[0], h, [0.0, 1.0])?;
-        let left = |index: usize| distance(index) * self.left_by(&jerks[0], h, index);
-        self.told(self.along(&path), left, 0.0)
+        let motion = self.solve(&[axis], 0.0, (ticks, &[[0.0, 1.0]]));
+        let motion = &motion.ok_or(None)?[0];
+        let left = |index: usize| distance(index) * self.left_by(motion, index);
+        let plans = || Some(self.along(&motion.sample(self.period).ok()?));
+        self.left(left, 0.0).within(plans)
     }
 
-    /// Jerks of axes with the exact end and within the limits, and the duration of their steps, s.
-    fn solve(&self, axes: &[Axis], deviation: f64, ticks: usize) -> Option<(Vec<Vec<f64>>, f64)> {
-        let duration = ticks as f64 * self.period;
-        let steps = self.steps(duration);
-        let h = duration / steps as f64;
+    /// Motions of axes between exact ends and within the limits.
+    fn solve(
+        &self,
+        axes: &[Axis],
+        deviation: f64,
+        (ticks, ends): (usize, &[[f64; 2]]),
+    ) -> Option<Vec<Trajectory>> {
+        let steps = self.steps(ticks);
         let program = Program {
             axes,
             deviation,
-            steps,
+            steps: &steps,
         };
-        let mut jerks = program.solve(duration)?;
-        for (axis, jerks) in axes.iter().zip(&mut jerks) {
-            exact_end(jerks, h, axis.distance)?;
-            if !keeps_limits(jerks, h, axis.limits) {
-                return None;
-            }
-        }
-        Some((jerks, h))
+        let each = program.solve()?.into_iter().zip(axes).zip(ends);
+        let motions = each.map(|((mut jerks, axis), ends)| {
+            exact_end(&mut jerks, &steps, axis.distance)?;
+            let steps = steps.iter().zip(jerks);
+            let steps: Vec<(f64, f64)> = steps.map(|(step, jerk)| (step.duration, jerk)).collect();
+            let [from, to] = ends.map(AxisState::at_rest);
+            let motion = Trajectory::of_steps(from, to, &steps).ok()?;
+            keeps_limits(&motion.axes()[0], axis.limits).then_some(motion)
+        });
+        motions.collect()
     }
 
-    /// The result, if no joint exceeds its allowed amplitude (rad).
-    fn told(
-        &self,
-        plans: Vec<SampledTrajectory>,
-        left: impl Fn(usize) -> f64,
-        departure: f64,
-    ) -> Option<Fastest> {
-        let (mut residual, mut vibration): (f64, f64) = (0.0, 0.0);
+    /// What a move leaves, from the amplitude of each joint (rad).
+    fn left(&self, left: impl Fn(usize) -> f64, departure: f64) -> Left {
+        let (mut residual, mut vibration, mut excess): (f64, f64, f64) = (0.0, 0.0, 0.0);
         for (index, known) in self.known.iter().enumerate() {
             let left = left(index);
-            if left > known.allowed {
-                return None;
-            }
-            if known.unshaped > 0.0 {
+            if left > 0.0 {
+                excess = excess.max(left / known.allowed);
                 residual = residual.max(left / known.unshaped);
             }
             vibration = vibration.max(left * known.lever);
@@ -200,7 +227,7 @@ impl<'a> Search<'a> {
             vibration,
             departure,
         };
-        Some(Fastest { plans, bounds })
+        Left { bounds, excess }
     }
 
     fn periods(&self) -> impl Iterator<Item = f64> {
@@ -208,11 +235,11 @@ impl<'a> Search<'a> {
         modes.map(|known| known.mode.damped_period())
     }
 
-    fn steps(&self, duration: f64) -> usize {
+    fn steps(&self, ticks: usize) -> Vec<Step> {
         let fastest = self.periods().fold(f64::INFINITY, f64::min);
         let ramp = self.path.acceleration / self.path.jerk;
-        let step = (fastest / PER_PERIOD).min(ramp / PER_RAMP);
-        (duration / step).clamp(STEPS.0, STEPS.1) as usize
+        let fine = (fastest / PER_PERIOD).min(ramp / PER_RAMP);
+        steps(&self.full.axes()[0], ticks as f64 * self.period, fine)
     }
 
     /// The modes of a joint, whose amplitudes are `factor` times those of its axis, and their weights.
@@ -225,17 +252,10 @@ impl<'a> Search<'a> {
         nodes.map(|swing| (swing, weight)).collect()
     }
 
-    /// The largest residual amplitude of the modes of a joint after steps of jerk.
-    fn left_by(&self, jerks: &[f64], h: f64, index: usize) -> f64 {
-        let duration = jerks.len() as f64 * h;
-        self.known[index].most(duration, |swing| swing.left_by(jerks, h))
-    }
-
-    fn plan(&self, jerks: &[f64], h: f64, ends: [f64; 2]) -> Option<SampledTrajectory> {
-        let steps: Vec<(f64, f64)> = jerks.iter().map(|jerk| (h, *jerk)).collect();
-        let [from, to] = ends.map(AxisState::at_rest);
-        let plan = Trajectory::of_steps(from, to, &steps).ok()?;
-        plan.sample(self.period).ok()
+    /// The largest residual amplitude of the modes of a joint after a motion.
+    fn left_by(&self, motion: &Trajectory, index: usize) -> f64 {
+        let axis = &motion.axes()[0];
+        self.known[index].most(motion.duration(), |swing| swing.left_by_plan(axis))
     }
 
     fn along(&self, path: &SampledTrajectory) -> Vec<SampledTrajectory> {
@@ -264,6 +284,29 @@ impl<'a> Search<'a> {
         };
         (0..ticks.unwrap_or(0)).map(at).fold(0.0, f64::max)
     }
+}
+
+impl Left {
+    fn of(self, plans: Vec<SampledTrajectory>) -> Fastest {
+        Fastest {
+            plans,
+            bounds: self.bounds,
+        }
+    }
+
+    /// The move, if that is within the tolerance.
+    fn within(self, plans: impl FnOnce() -> Option<Vec<SampledTrajectory>>) -> Tried {
+        if self.excess > 1.0 {
+            return Err(Some(self));
+        }
+        plans().map(|plans| self.of(plans)).ok_or(None)
+    }
+}
+
+/// What the better of two moves leaves.
+pub fn least(one: Option<Left>, other: Option<Left>) -> Option<Left> {
+    let both = one.into_iter().chain(other);
+    both.min_by(|one, other| one.excess.total_cmp(&other.excess))
 }
 
 /// Limits of the path parameter, which runs from 0 to 1: those of the most restrictive joint.
