@@ -7,11 +7,12 @@
 //!   straight line between start and target in joint space, and every vibration after the end. A single joint
 //!   cannot leave its path before the end.
 //!
-//! For each duration the motion that leaves least is a convex problem ([`program`]). The least duration is found by bisection. What is
-//! found is checked on its own: limits, end, residual along the edges of the boxes, path at every tick.
+//! The unshaped move after each [train](trains) of the catalogue is a candidate. For each shorter duration the motion that leaves least is a
+//! convex problem ([`program`]). The least duration is found by bisection. What is found is checked on its own: limits, end, residual along the edges of the boxes, path at every tick.
 
 mod check;
 mod known;
+mod left;
 mod program;
 mod search;
 mod steps;
@@ -21,7 +22,8 @@ mod trains;
 use quell_shapers::{GridTrain, UncertainMode};
 use quell_trajectories::{Limits, PlanError, SampledTrajectory};
 
-use self::search::{Search, least};
+use self::left::least;
+use self::search::Search;
 use self::trains::Trains;
 
 /// A joint that moves.
@@ -107,26 +109,35 @@ pub enum ToleranceError {
     /// No tried move has a residual this small.
     #[error(
         "no move of up to {longest:.3} s leaves so little for modes that are known only so well{}",
-        self::allow(best)
+        self::needs(needed)
     )]
     Unattainable {
         /// Longest duration that was tried, s.
         longest: f64,
-        /// What the best of them leaves: a tolerance that allows this much is attained.
-        best: Option<Bounds>,
+        /// The tolerance that the one that leaves least is within; `None` where none could be made.
+        needed: Option<Tolerance>,
     },
 }
 
-/// How much must be allowed at least: rounded up, so that it is attained.
-fn allow(best: &Option<Bounds>) -> String {
+/// What must be allowed, with three digits, rounded up.
+fn needs(needed: &Option<Tolerance>) -> String {
     let up = |value: f64| {
-        let unit = 10_f64.powf(value.log10().floor() - 2.0);
-        (value / unit).ceil() * unit
+        let decimals = (2.0 - value.log10().floor()).clamp(0.0, 12.0);
+        let unit = 10_f64.powf(-decimals);
+        format!("{:.*}", decimals as usize, (value / unit).ceil() * unit)
     };
-    best.map_or_else(String::new, |best| {
-        let (percent, millimetres) = (up(1e2 * best.residual), up(1e3 * best.vibration));
-        format!("; the best one leaves {percent:.3} % of the unshaped vibration, {millimetres:.3} mm at the tip")
-    })
+    let needed = needed.unwrap_or_default();
+    let residual = needed
+        .residual
+        .map(|share| format!("a residual of {} %", up(1e2 * share)));
+    let deviation = needed
+        .deviation
+        .map(|metres| format!("a deviation of {} mm", up(1e3 * metres)));
+    let both: Vec<String> = residual.into_iter().chain(deviation).collect();
+    if both.is_empty() {
+        return String::new();
+    }
+    format!("; the best one needs {}", both.join(" and "))
 }
 
 /// The fastest move of one joint or several within a tolerance, at a control period (s).
@@ -150,7 +161,7 @@ pub fn fastest(
     let first = first.or_else(|left| search.within(longest).map_err(|other| least(left, other)));
     let mut best = first.map_err(|left| ToleranceError::Unattainable {
         longest: longest as f64 * period,
-        best: left.map(|left| left.bounds),
+        needed: left.map(|left| left.needed(tolerance)),
     })?;
     let mut high = best.ticks();
     while high - low > 1 {

@@ -4,6 +4,7 @@ use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory, Trajecto
 
 use super::check::{exact_end, keeps_limits};
 use super::known::Known;
+use super::left::{Left, Tried, least};
 use super::program::{Axis, Program};
 use super::steps::{Step, steps};
 use super::swing::Swing;
@@ -17,17 +18,6 @@ const PER_RAMP: f64 = 3.0;
 const LONGER: f64 = 3.0;
 /// Number of attempts with joints off the path; each reduces the bound at the steps by the excess between them.
 const ATTEMPTS: usize = 3;
-
-/// What a move leaves.
-#[derive(Clone, Copy)]
-pub struct Left {
-    pub bounds: Bounds,
-    /// The largest amplitude of a joint over the allowed one: at most 1 within the tolerance.
-    pub excess: f64,
-}
-
-/// A move that was tried: within the tolerance, or what it leaves; nothing where there is no solution.
-type Tried = Result<Fastest, Option<Left>>;
 
 /// A move, and the allowed residual of each of its joints.
 pub struct Search<'a> {
@@ -103,15 +93,13 @@ impl<'a> Search<'a> {
     /// The shortest move by the trains of a shaper that is within the tolerance, else what the best of them leaves.
     pub fn by_trains(&self) -> Tried {
         let modes = self.joints.iter().flat_map(|joint| &joint.modes);
-        let mut best: Option<Left> = None;
+        let mut best = None;
         for trains in Trains::of_catalogue(modes, self.period) {
             let left = self.left(|index| self.left_by_trains(&trains, index), 0.0);
-            if left.excess > 1.0 {
-                best = least(best, Some(left));
-            } else if let Some(plan) = trains.shaped(&self.full)
-                && let Ok(path) = plan.sample(self.period)
-            {
-                return Ok(left.of(self.along(&path)));
+            let path = || trains.shaped(&self.full)?.sample(self.period).ok();
+            match left.within(|| Some(self.along(&path()?))) {
+                Ok(found) => return Ok(found),
+                Err(left) => best = least(best, left),
             }
         }
         Err(best)
@@ -213,21 +201,8 @@ impl<'a> Search<'a> {
 
     /// What a move leaves, from the amplitude of each joint (rad).
     fn left(&self, left: impl Fn(usize) -> f64, departure: f64) -> Left {
-        let (mut residual, mut vibration, mut excess): (f64, f64, f64) = (0.0, 0.0, 0.0);
-        for (index, known) in self.known.iter().enumerate() {
-            let left = left(index);
-            if left > 0.0 {
-                excess = excess.max(left / known.allowed);
-                residual = residual.max(left / known.unshaped);
-            }
-            vibration = vibration.max(left * known.lever);
-        }
-        let bounds = Bounds {
-            residual,
-            vibration,
-            departure,
-        };
-        Left { bounds, excess }
+        let amplitudes = (0..self.known.len()).map(left);
+        Left::new(self.known.iter().zip(amplitudes), departure)
     }
 
     fn periods(&self) -> impl Iterator<Item = f64> {
@@ -238,8 +213,8 @@ impl<'a> Search<'a> {
     fn steps(&self, ticks: usize) -> Vec<Step> {
         let fastest = self.periods().fold(f64::INFINITY, f64::min);
         let ramp = self.path.acceleration / self.path.jerk;
-        let fine = (fastest / PER_PERIOD).min(ramp / PER_RAMP);
-        steps(&self.full.axes()[0], ticks as f64 * self.period, fine)
+        let short = (fastest / PER_PERIOD).min(ramp / PER_RAMP);
+        steps(&self.full.axes()[0], ticks as f64 * self.period, short)
     }
 
     /// The modes of a joint, whose amplitudes are `factor` times those of its axis, and their weights.
@@ -284,29 +259,6 @@ impl<'a> Search<'a> {
         };
         (0..ticks.unwrap_or(0)).map(at).fold(0.0, f64::max)
     }
-}
-
-impl Left {
-    fn of(self, plans: Vec<SampledTrajectory>) -> Fastest {
-        Fastest {
-            plans,
-            bounds: self.bounds,
-        }
-    }
-
-    /// The move, if that is within the tolerance.
-    fn within(self, plans: impl FnOnce() -> Option<Vec<SampledTrajectory>>) -> Tried {
-        if self.excess > 1.0 {
-            return Err(Some(self));
-        }
-        plans().map(|plans| self.of(plans)).ok_or(None)
-    }
-}
-
-/// What the better of two moves leaves.
-pub fn least(one: Option<Left>, other: Option<Left>) -> Option<Left> {
-    let both = one.into_iter().chain(other);
-    both.min_by(|one, other| one.excess.total_cmp(&other.excess))
 }
 
 /// Limits of the path parameter, which runs from 0 to 1: those of the most restrictive joint.

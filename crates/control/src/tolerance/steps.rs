@@ -2,8 +2,10 @@
 
 use quell_trajectories::AxisProfile;
 
-/// Number of steps with jerk. With 48 to 128 of them a problem takes 5 to 20 ms.
+/// Number of steps with jerk. With 48 to 128 of them a problem takes 5 to 50 ms.
 const STEPS: (f64, f64) = (48.0, 128.0);
+/// Length of the longest even steps, in short ones: a third of a period of the fastest mode.
+const EVENLY: f64 = 4.0;
 
 /// A step of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,26 +16,18 @@ pub struct Step {
     pub without_jerk: bool,
 }
 
-/// Steps of a motion of a duration (s), which is at least that of the unshaped plan; about as short as `fine` s.
+/// Steps of a motion of a duration (s), which is not below that of the fastest plan; short ones last about `short` s.
 ///
-/// A motion that lasts `d` longer than the fastest one is nowhere more than `d` behind it. So a ramp of its acceleration begins at most `d` before
-/// that of the plan, for a later one that is longer, and its mean is at most `d` later. From `d` before a ramp of the plan to `2 d` after it
-/// the steps are short. Between these stretches, where they leave a gap, one step has no jerk.
-pub fn steps(plan: &AxisProfile, duration: f64, fine: f64) -> Vec<Step> {
-    let phases = plan.phases();
-    let planned: f64 = phases.iter().map(|phase| phase.duration).sum();
-    let longer = duration - planned;
-    let mut stretches: Vec<[f64; 2]> = Vec::new();
-    for phase in phases.iter().filter(|phase| phase.jerk != 0.0) {
-        let from = (phase.start - longer).max(0.0);
-        let to = (phase.start + phase.duration + 2.0 * longer).min(duration);
-        match stretches.last_mut() {
-            Some(last) if from - last[1] < fine => last[1] = to,
-            _ => stretches.push([from, to]),
-        }
-    }
+/// Where even steps would be too long, the short ones are where the [ramps](stretches) of the acceleration may be, and
+/// one step without jerk is between two stretches of them.
+pub fn steps(plan: &AxisProfile, duration: f64, short: f64) -> Vec<Step> {
+    let stretches = if duration <= EVENLY * STEPS.1 * short {
+        vec![[0.0, duration]]
+    } else {
+        stretches(plan, duration, short)
+    };
     let total: f64 = stretches.iter().map(|[from, to]| to - from).sum();
-    let step = total / (total / fine).clamp(STEPS.0, STEPS.1).floor();
+    let step = total / (total / short).clamp(STEPS.0, STEPS.1).floor();
     let mut steps = Vec::new();
     let mut at = 0.0;
     for [from, to] in stretches {
@@ -44,12 +38,32 @@ pub fn steps(plan: &AxisProfile, duration: f64, fine: f64) -> Vec<Step> {
             });
         }
         let count = ((to - from) / step).round().max(1.0);
-        let short = Step {
+        let one = Step {
             duration: (to - from) / count,
             without_jerk: false,
         };
-        steps.extend(core::iter::repeat_n(short, count as usize));
+        steps.extend(core::iter::repeat_n(one, count as usize));
         at = to;
     }
     steps
+}
+
+/// Stretches of time around the ramps of the plan, less than `gap` s apart joined: from `d` before a ramp to `2 d` after it, where the
+/// motion lasts `d` longer than the plan.
+///
+/// Such a motion is nowhere more than `d` behind the plan. A ramp is longer by a train of mean delay `d`, which is `2 d` long, or begins
+/// `d` earlier and ends `d` later, as the last one does where only that is shaped.
+fn stretches(plan: &AxisProfile, duration: f64, gap: f64) -> Vec<[f64; 2]> {
+    let planned: f64 = plan.phases().iter().map(|phase| phase.duration).sum();
+    let longer = duration - planned;
+    let mut stretches: Vec<[f64; 2]> = Vec::new();
+    for phase in plan.phases().iter().filter(|phase| phase.jerk != 0.0) {
+        let from = (phase.start - longer).max(0.0);
+        let to = (phase.start + phase.duration + 2.0 * longer).min(duration);
+        match stretches.last_mut() {
+            Some(last) if from - last[1] < gap => last[1] = to,
+            _ => stretches.push([from, to]),
+        }
+    }
+    stretches
 }
