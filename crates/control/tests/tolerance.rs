@@ -179,7 +179,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(8))]
+    #![proptest_config(ProptestConfig::with_cases(5))]
 
     /// On moves of up to 60 s, at slow limits and fast, of one mode to three: never slower than with ZVD, and no more is left than that leaves.
     #[test]

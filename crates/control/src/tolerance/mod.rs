@@ -7,8 +7,9 @@
 //!   straight line between start and target in joint space, and every vibration after the end. A single joint
 //!   cannot leave its path before the end.
 //!
-//! The unshaped move after each [train](trains) of the catalogue is a candidate. For each shorter duration the motion that leaves least is a
-//! convex problem ([`program`]). The least duration is found by bisection. What is found is checked on its own: limits, end, residual along the edges of the boxes, path at every tick.
+//! The unshaped move with each [train](trains) of the catalogue is a candidate. For each shorter duration the motion that leaves
+//! least is a convex problem ([`program`]). The least duration is found by bisection. What is found is checked on its own: limits, end,
+//! residual along the edges of the boxes, path at every tick.
 
 mod check;
 mod known;
@@ -142,7 +143,7 @@ fn needs(needed: &Option<Tolerance>) -> String {
 
 /// The fastest move of one joint or several within a tolerance, at a control period (s).
 ///
-/// Off the tick: a tenth of a second for one joint, and more for several that may leave their path.
+/// Off the tick: a tenth of a second for one joint; up to seconds for several that may leave their path, and on long moves with several modes.
 ///
 /// # Errors
 /// [`ToleranceError`].
