@@ -5,13 +5,14 @@
 use std::time::Instant;
 
 use quell::controller::plan_shaped;
-use quell::shapers::{GridTrain, Mode, Shaper, UncertainMode, Zvd};
+use quell::shapers::{GridTrain, Mode, Shaper, UncertainMode, Zvd, common_train};
 use quell::tolerance::{Fastest, Moving, Tolerance, ToleranceError, fastest, share_left};
 use quell::trajectories::{Limits, Planner};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 const PROBLEMS: usize = 300;
+const LONG: usize = 100;
 const PERIOD: f64 = 1e-3;
 /// Shares of the unshaped vibration that are allowed, beside what ZVD itself leaves.
 const ALLOWED: [f64; 3] = [0.01, 0.02, 0.05];
@@ -29,31 +30,53 @@ struct Problem {
 impl Problem {
     /// Arms that ring at 3 to 20 Hz, modes known to 0.25 to 5 %, moves of 2 to 90 degrees.
     fn random(rng: &mut ChaCha8Rng) -> Self {
-        let mut log = |low: f64, high: f64| rng.random_range(low.ln()..high.ln()).exp();
-        let mode = Mode::from_hertz(log(3.0, 20.0), log(0.005, 0.1)).unwrap();
-        let known = UncertainMode {
-            mode,
-            natural_frequency_std: log(0.0025, 0.05) * mode.natural_frequency(),
-            damping_ratio_std: 0.1 * mode.damping_ratio(),
+        let mode = mode(rng, [3.0, 20.0]);
+        let acceleration = log(rng, [300.0, 1200.0]).to_radians();
+        let distance = log(rng, [2.0, 90.0]).to_radians();
+        let limits = Limits {
+            velocity: log(rng, [60.0, 180.0]).to_radians(),
+            acceleration,
+            jerk: acceleration / log(rng, [0.03, 0.15]),
         };
-        let acceleration = log(300.0, 1200.0).to_radians();
+        Self::new(distance, limits, vec![mode])
+    }
+
+    /// Moves of 0.6 to 56 s, at 1 to 180 degrees a second that are reached in 0.05 to 5 s, one to three modes.
+    fn long(rng: &mut ChaCha8Rng) -> Self {
+        let mut hertz = [3.0, 20.0];
+        let modes = (0..rng.random_range(1..=3)).map(|_| {
+            let known = mode(rng, hertz);
+            let [low, high] = [1.5, 3.0].map(|ratio| ratio * known.mode.natural_frequency());
+            hertz = [low, high].map(|frequency| frequency / core::f64::consts::TAU);
+            known
+        });
+        let modes = modes.collect();
+        let velocity = log(rng, [1.0, 180.0]).to_radians();
+        let acceleration = velocity / log(rng, [0.05, 5.0]);
+        let limits = Limits {
+            velocity,
+            acceleration,
+            jerk: acceleration / log(rng, [0.03, 0.5]),
+        };
+        Self::new(velocity * log(rng, [0.5, 50.0]), limits, modes)
+    }
+
+    fn new(distance: f64, limits: Limits, modes: Vec<UncertainMode>) -> Self {
         let moving = Moving {
-            ends: [0.0, log(2.0, 90.0).to_radians()],
-            limits: Limits {
-                velocity: log(60.0, 180.0).to_radians(),
-                acceleration,
-                jerk: acceleration / log(0.03, 0.15),
-            },
-            modes: vec![known],
+            ends: [0.0, distance],
+            limits,
+            modes,
             lever: 1.0,
         };
-        let train = Zvd.on_grid(mode, PERIOD).unwrap();
+        let each = moving.modes.iter();
+        let each = each.map(|known| Zvd.on_grid(known.mode, PERIOD).unwrap());
+        let train = common_train(&each.collect::<Vec<_>>()).unwrap();
         let planner = Planner::new(1).unwrap();
         let slowed = plan_shaped(&planner, moving.ends, moving.limits, &train).unwrap();
         let planned = (slowed.plan.samples() - 1) as f64 * PERIOD;
         Self {
             shaped: planned + train.duration(),
-            periods: planned / mode.damped_period(),
+            periods: planned / moving.modes[0].mode.damped_period(),
             moving,
             train,
         }
@@ -68,6 +91,21 @@ impl Problem {
             deviation: None,
         };
         fastest(core::slice::from_ref(&self.moving), tolerance, PERIOD)
+    }
+}
+
+/// A number of which each decade is as likely.
+fn log(rng: &mut ChaCha8Rng, [low, high]: [f64; 2]) -> f64 {
+    rng.random_range(low.ln()..high.ln()).exp()
+}
+
+/// A mode of some frequency, known to 0.25 to 5 %.
+fn mode(rng: &mut ChaCha8Rng, hertz: [f64; 2]) -> UncertainMode {
+    let mode = Mode::from_hertz(log(rng, hertz), log(rng, [0.005, 0.1])).unwrap();
+    UncertainMode {
+        mode,
+        natural_frequency_std: log(rng, [0.0025, 0.05]) * mode.natural_frequency(),
+        damping_ratio_std: 0.1 * mode.damping_ratio(),
     }
 }
 
@@ -87,6 +125,12 @@ fn main() {
         let name = format!("as ZVD, {least} to {most} periods");
         row(&name, some, None);
     }
+    let long: Vec<Problem> = (0..LONG).map(|_| Problem::long(&mut rng)).collect();
+    for count in 1..=3 {
+        let some = long.iter().filter(|one| one.moving.modes.len() == count);
+        row(&format!("as ZVD, long, modes: {count}"), some, None);
+    }
+    row("5, long", &long, Some(0.05));
 }
 
 fn row<'a>(name: &str, problems: impl IntoIterator<Item = &'a Problem>, allowed: Option<f64>) {

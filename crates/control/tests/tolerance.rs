@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use quell_control::controller::plan_shaped;
 use quell_control::tolerance::{Fastest, Moving, Tolerance, ToleranceError, fastest, share_left};
-use quell_shapers::{Mode, Shaper, UncertainMode, Zvd};
+use quell_shapers::{Mode, Shaper, UncertainMode, Zvd, common_train};
 use quell_trajectories::{Limits, Planner, SampledTrajectory};
 
 const PERIOD: f64 = 1e-3;
@@ -60,11 +60,17 @@ fn rings(plan: &SampledTrajectory, w: f64, xi: f64) -> f64 {
 
 /// The largest over the box of a mode, looked at in other places than it was solved for.
 fn worst(plan: &SampledTrajectory, known: &UncertainMode) -> f64 {
+    rings_within(plan, known, 8)
+}
+
+/// The largest over the box of a mode, at so many frequencies to each side of the middle.
+fn rings_within(plan: &SampledTrajectory, known: &UncertainMode, aside: i32) -> f64 {
     let (mode, std) = (known.mode, known.natural_frequency_std);
     let mut most: f64 = 0.0;
-    for k in -8..=8 {
+    for k in -aside..=aside {
         for side in [-2.0, 0.7, 2.0] {
-            let frequency = mode.natural_frequency() + 0.25 * f64::from(k) * std;
+            let share = f64::from(k) / f64::from(aside);
+            let frequency = mode.natural_frequency() + 2.0 * share * std;
             let damping = mode.damping_ratio() + side * known.damping_ratio_std;
             most = most.max(rings(plan, frequency, damping));
         }
@@ -172,6 +178,53 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(5))]
+
+    /// On moves of up to 60 s, at slow limits and fast, of one mode to three: never slower than with ZVD, and no more is left than that leaves.
+    #[test]
+    fn a_long_move_is_never_slower_than_with_zvd(
+        speed in -2.0..0.5f64, seconds in 0.3..1.75f64, [rise, ramp] in [-1.3..0.7f64, -1.5..-0.3f64],
+        hertz in 4.0..16.0f64, ratio in 1.5..2.5f64, count in 1..=3, damping in 0.005..0.1f64, std in 0.002..0.03f64,
+    ) {
+        let [velocity, seconds, rise, ramp] = [speed, seconds, rise, ramp].map(|power| 10_f64.powf(power));
+        let acceleration = velocity / rise;
+        let modes = (0..count).map(|k| uncertain(hertz * ratio.powi(k), damping, std));
+        let joint = Moving {
+            ends: [0.1, 0.1 + velocity * seconds],
+            limits: Limits { velocity, acceleration, jerk: acceleration / ramp },
+            modes: modes.collect(),
+            lever: 1.5,
+        };
+        let each = joint.modes.iter().map(|known| Zvd.on_grid(known.mode, PERIOD).unwrap());
+        let zvd = common_train(&each.collect::<Vec<_>>()).unwrap();
+        let residual = share_left(&joint, &zvd).unwrap() * (1.0 + 1e-9);
+        let found = of_one(&joint, Tolerance { residual: Some(residual), deviation: None }).unwrap();
+        let plan = &found.plans[0];
+        check_motion(plan, &joint);
+        let straight = unshaped(&joint);
+        prop_assert!(plan.samples() <= straight.samples() + zvd.duration_in_ticks());
+        let most = |plan| joint.modes.iter().map(|known| rings_within(plan, known, 2)).fold(0.0, f64::max);
+        let (left, all) = (most(plan), most(&straight));
+        prop_assert!(left <= residual * all * 1.05 + SLACK.1, "{left} of {all}");
+    }
+}
+
+/// A long slow move has few ramps: its steps are short there, and its duration does not matter.
+#[test]
+fn a_long_slow_move_is_within_the_tolerance() {
+    let mut joint = moving(0.0, vec![uncertain(12.0, 0.03, 0.01)]);
+    (joint.ends[1], joint.limits.velocity) = (joint.ends[0] + 1.5, 0.1);
+    let tolerance = Tolerance {
+        residual: Some(0.05),
+        deviation: None,
+    };
+    let found = of_one(&joint, tolerance).unwrap();
+    let more = found.duration() - of_one(&joint, Tolerance::default()).unwrap().duration();
+    // ZVD adds a period.
+    assert!(more < 0.5 / 12.0, "{more} s");
+}
+
 /// Every shaped plan is one of its candidates: what leaves as much as ZVD takes less time than ZVD.
 #[test]
 fn it_is_faster_than_zvd_at_what_zvd_leaves() {
@@ -252,10 +305,20 @@ fn what_cannot_be_is_refused() {
         },
     )
     .unwrap_err();
+    let ToleranceError::Unattainable { needed, .. } = error else {
+        panic!("{error}")
+    };
     assert!(
-        matches!(error, ToleranceError::Unattainable { .. }),
+        error.to_string().contains("needs a residual of 0."),
         "{error}"
     );
+    // What it asks for is enough.
+    let allowed = needed.unwrap().residual.map(|share| 1.01 * share);
+    let tolerance = Tolerance {
+        residual: allowed,
+        deviation: None,
+    };
+    of_one(&joint, tolerance).unwrap();
     let error = of_one(&moving(0.0, vec![]), Tolerance::default()).unwrap_err();
     assert_eq!(error, ToleranceError::NoWay { index: 0 });
 }

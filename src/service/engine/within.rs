@@ -16,8 +16,8 @@ use crate::service::learners::{Job, Member, Within};
 use crate::service::tick::Start;
 use crate::tolerance::{Moving, Tolerance, ToleranceError};
 
-/// Time for the solution of the motion, s: five times the longest for one joint, and less than a plan is tried
-/// for.
+/// Time for the solution of the motion, s: three times the longest for one joint and one mode, and less than a plan is
+/// tried for.
 const SOLVED: f64 = 2.0;
 
 impl Engine {

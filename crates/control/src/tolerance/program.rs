@@ -1,9 +1,9 @@
 //! The motion of a given duration with the least residual: a convex problem.
 //!
-//! The duration is divided into equal steps of constant jerk. Acceleration, velocity and position at their ends
+//! The duration is divided into steps of constant jerk. Acceleration, velocity and position at their ends
 //! are linear in the jerks, and so is the residual of a mode. Minimising the largest amplitude under the limits
 //! is a second-order cone problem. Every train of positive impulses on every plan within the limits is one of
-//! its candidates.
+//! its candidates, but for the steps.
 //!
 //! Source: S. Boyd, L. Vandenberghe, Convex Optimization, 2004, ch. 4.4; P. J. Goulart, Y. Chen, Clarabel, 2024 (the solver).
 
@@ -14,6 +14,7 @@ use clarabel::solver::{
 };
 use quell_trajectories::Limits;
 
+use super::steps::Step;
 use super::swing::Swing;
 
 /// Margin to the limits, for the solver's own precision of 1e-8.
@@ -39,7 +40,7 @@ pub struct Program<'a> {
     /// Largest distance of the tip from the straight path, m, where they may leave it.
     pub deviation: f64,
     /// Steps of constant jerk.
-    pub steps: usize,
+    pub steps: &'a [Step],
 }
 
 /// Rows `A x + s = b` as triplets.
@@ -86,38 +87,41 @@ impl Columns {
 }
 
 impl Program<'_> {
-    /// Jerks of each axis, rad/s^3, of least residual for this duration (s). The caller must check the result.
-    pub fn solve(&self, duration: f64) -> Option<Vec<Vec<f64>>> {
-        let step = duration / self.steps as f64;
+    /// Jerks of each axis, rad/s^3, of least residual. The caller must check the result.
+    pub fn solve(&self) -> Option<Vec<Vec<f64>>> {
+        let count = self.steps.len();
         let columns: Vec<Columns> = self.columns();
         let path = columns.iter().map(|of| of.count()).sum::<usize>();
         let apart = self.axes.len() > 1;
         // Path parameter and departures between the steps.
         let aside = if apart {
-            (self.steps - 1) * (1 + self.axes.len())
+            (count - 1) * (1 + self.axes.len())
         } else {
             0
         };
         let level = path + aside;
         let mut rows = Rows::default();
         for (axis, of) in self.axes.iter().zip(&columns) {
-            self.motion(&mut rows, axis, *of, step);
+            self.motion(&mut rows, axis, *of);
         }
         let zero = rows.right.len();
         for (axis, of) in self.axes.iter().zip(&columns) {
-            self.limits(&mut rows, axis, *of, step);
+            self.limits(&mut rows, axis, *of);
         }
         if apart {
             self.departure(&mut rows, &columns, path);
         }
         let mut cones = vec![ZeroConeT(zero), NonnegativeConeT(rows.right.len() - zero)];
         for (axis, of) in self.axes.iter().zip(&columns) {
-            self.residual(&mut rows, &mut cones, (axis, *of, level), step);
+            self.residual(&mut rows, &mut cones, (axis, *of, level));
         }
         let x = least(rows, &cones, level)?;
         let jerks = columns.iter().zip(self.axes).map(|(of, axis)| {
             let unit = axis.limits.jerk * axis.distance.signum();
-            (0..self.steps).map(|k| unit * x[of.jerk(k)]).collect()
+            let jerks = self.steps.iter().zip(&x[of.first..]);
+            jerks
+                .map(|(step, x)| if step.without_jerk { 0.0 } else { unit * x })
+                .collect()
         });
         Some(jerks.collect())
     }
@@ -127,7 +131,7 @@ impl Program<'_> {
         let each = self.axes.iter().map(|_| {
             let of = Columns {
                 first,
-                steps: self.steps,
+                steps: self.steps.len(),
             };
             first += of.count();
             of
@@ -136,14 +140,18 @@ impl Program<'_> {
     }
 
     /// From step to step: `a' = a + j h`, `v' = v + h (a + a') / 2`, `q' = q + h (v + v') / 2 - h^2 (a' - a) / 12`.
-    fn motion(&self, rows: &mut Rows, axis: &Axis, of: Columns, h: f64) {
+    fn motion(&self, rows: &mut Rows, axis: &Axis, of: Columns) {
         let Limits {
             velocity,
             acceleration,
             jerk,
         } = axis.limits;
         let per = axis.distance.abs();
-        for k in 0..self.steps {
+        for (k, step) in self.steps.iter().enumerate() {
+            let h = step.duration;
+            if step.without_jerk {
+                rows.add([(of.jerk(k), 1.0)], 0.0);
+            }
             let change = |which: usize| {
                 let (after, before) = (of.inner(which, k + 1), of.inner(which, k));
                 after
@@ -169,35 +177,42 @@ impl Program<'_> {
                 acceleration * h * h / (12.0 * per),
             );
             // The target is at 1.
-            let end = if k + 1 == self.steps { -1.0 } else { 0.0 };
+            let end = if k + 1 == self.steps.len() { -1.0 } else { 0.0 };
             let position = change(2).chain(both(1, [slope, slope]));
             rows.add(position.chain(both(0, [-bend, bend])), end);
         }
     }
 
-    fn limits(&self, rows: &mut Rows, axis: &Axis, of: Columns, h: f64) {
-        let Limits { velocity, jerk, .. } = axis.limits;
-        let mut within = |column: usize, most: f64| {
-            rows.add([(column, 1.0)], most);
-            rows.add([(column, -1.0)], most);
+    /// The velocity in a step is a parabola. It lies between its ends and the point where their tangents meet, `v + a h / 2`, and the ends
+    /// lie between these points: so the points alone are bounded, and a cruise at the limit is one of the candidates.
+    fn limits(&self, rows: &mut Rows, axis: &Axis, of: Columns) {
+        let mut within = |entries: &[(usize, f64)]| {
+            for sign in [1.0, -1.0] {
+                let signed = entries
+                    .iter()
+                    .map(|(column, value)| (*column, sign * value));
+                rows.add(signed, 1.0 - MARGIN);
+            }
         };
-        (0..self.steps).for_each(|k| within(of.jerk(k), 1.0 - MARGIN));
-        // Within a step, where the acceleration changes its sign, the velocity may exceed that at its ends by j
-        // (h / 2)^2 / 2.
-        let peak = (1.0 - jerk * h * h / (8.0 * velocity)).max(0.5);
-        for k in 1..self.steps {
-            for (which, most) in [(0, 1.0 - MARGIN), (1, peak - MARGIN)] {
-                if let Some(column) = of.inner(which, k) {
-                    within(column, most);
-                }
+        let Limits {
+            velocity,
+            acceleration,
+            ..
+        } = axis.limits;
+        for (k, step) in self.steps.iter().enumerate() {
+            within(&[(of.jerk(k), 1.0)]);
+            if let (Some(a), Some(v)) = (of.inner(0, k), of.inner(1, k)) {
+                within(&[(a, 1.0)]);
+                let slope = 0.5 * step.duration * acceleration / velocity;
+                within(&[(v, 1.0), (a, slope)]);
             }
         }
     }
 
     /// The sum over the axes of lever times distance from the path's position is at most the deviation.
     fn departure(&self, rows: &mut Rows, columns: &[Columns], path: usize) {
-        let inner = self.steps - 1;
-        for k in 1..self.steps {
+        let inner = self.steps.len() - 1;
+        for k in 1..self.steps.len() {
             let s = path + k - 1;
             let away = |axis: usize| path + (1 + axis) * inner + k - 1;
             for (index, of) in columns.iter().enumerate() {
@@ -224,10 +239,9 @@ impl Program<'_> {
         rows: &mut Rows,
         cones: &mut Vec<SupportedConeT<f64>>,
         (axis, of, level): (&Axis, Columns, usize),
-        h: f64,
     ) {
         for (swing, weight) in &axis.modes {
-            let answers = swing.of_steps(self.steps, h);
+            let answers = swing.of_steps(self.steps);
             let scale = weight * axis.limits.jerk;
             rows.add([(level, -1.0)], 0.0);
             let re = answers.iter().enumerate();

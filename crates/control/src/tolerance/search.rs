@@ -1,19 +1,19 @@
-//! A move of a given number of ticks within a tolerance, if there is one.
+//! Moves that are tried, and what they leave: by trains, and of a given number of ticks by the convex problem.
 
-use quell_shapers::GridTrain;
 use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory, Trajectory};
 
 use super::check::{exact_end, keeps_limits};
 use super::known::Known;
+use super::left::{Left, Tried, least};
 use super::program::{Axis, Program};
+use super::steps::{Step, steps};
 use super::swing::Swing;
+use super::trains::Trains;
 use super::{Bounds, Fastest, Moving, Tolerance, ToleranceError};
 
-/// Number of steps in a period of the fastest mode, and in the ramp of the acceleration at the limits. With 48
-/// to 128 steps a problem takes 5 to 20 ms.
+/// Number of steps in a period of the fastest mode, and in the ramp of the acceleration at the limits.
 const PER_PERIOD: f64 = 12.0;
 const PER_RAMP: f64 = 3.0;
-const STEPS: (f64, f64) = (48.0, 128.0);
 /// Greatest lengthening of a move, in periods of the slowest mode: twice the length of ZVDD.
 const LONGER: f64 = 3.0;
 /// Number of attempts with joints off the path; each reduces the bound at the steps by the excess between them.
@@ -85,15 +85,33 @@ impl<'a> Search<'a> {
         }))
     }
 
-    /// The share of the unshaped vibration of the first joint that a train leaves of the plan at the limits.
-    pub fn share_left(&self, train: &GridTrain) -> f64 {
-        let known = &self.known[0];
+    /// The share of the unshaped vibration of the first joint that trains leave of the plan at the limits.
+    pub fn share_left(&self, trains: &Trains) -> f64 {
+        self.left_by_trains(trains, 0) / self.known[0].unshaped
+    }
+
+    /// The shortest move by the trains of a shaper that is within the tolerance, else what the best of them leaves.
+    pub fn by_trains(&self) -> Tried {
+        let modes = self.joints.iter().flat_map(|joint| &joint.modes);
+        let mut best = None;
+        for trains in Trains::of_catalogue(modes, self.period) {
+            let left = self.left(|index| self.left_by_trains(&trains, index), 0.0);
+            let path = || trains.shaped(&self.full)?.sample(self.period).ok();
+            match left.within(|| Some(self.along(&path()?))) {
+                Ok(found) => return Ok(found),
+                Err(left) => best = least(best, left),
+            }
+        }
+        Err(best)
+    }
+
+    fn left_by_trains(&self, trains: &Trains, index: usize) -> f64 {
         let full = &self.full.axes()[0];
-        let left = known.most(self.full.duration(), |swing| {
+        let left = self.known[index].most(self.full.duration(), |swing| {
             let (frequency, ratio) = (swing.frequency(), swing.damping_ratio());
-            swing.left_by_plan(full) * train.residual_vibration(frequency, ratio)
+            swing.left_by_plan(full) * trains.residual(frequency, ratio)
         });
-        self.joints[0].distance().abs() * left / known.unshaped
+        self.joints[index].distance().abs() * left
     }
 
     /// Ticks of the unshaped move, and of the longest that is tried.
@@ -103,45 +121,43 @@ impl<'a> Search<'a> {
         [full, full + LONGER * slowest].map(|time| (time / self.period).ceil() as usize)
     }
 
-    /// A move of this number of ticks within the tolerance, if there is one: off the path where that is
-    /// allowed, else along it.
-    pub fn within(&self, ticks: usize) -> Option<Fastest> {
-        let apart = self.deviation.and_then(|most| self.apart(ticks, most));
-        apart.or_else(|| self.along_path(ticks))
+    /// A move of this number of ticks of least residual: off the path where that is allowed, else along it.
+    pub fn within(&self, ticks: usize) -> Tried {
+        match self.deviation.map(|most| self.apart(ticks, most)) {
+            None => self.along_path(ticks),
+            Some(Ok(found)) => Ok(found),
+            Some(Err(apart)) => self.along_path(ticks).map_err(|along| least(apart, along)),
+        }
     }
 
     /// A move whose joints leave the path by at most a distance (m).
-    fn apart(&self, ticks: usize, most: f64) -> Option<Fastest> {
-        let axes: Vec<Axis> = self
-            .joints
-            .iter()
-            .enumerate()
-            .map(|(index, joint)| Axis {
-                distance: joint.distance(),
-                limits: joint.limits,
-                modes: self.modes(index, 1.0, ticks),
-                lever: joint.lever,
-            })
-            .collect();
+    fn apart(&self, ticks: usize, most: f64) -> Tried {
+        let axes = self.joints.iter().enumerate().map(|(index, joint)| Axis {
+            distance: joint.distance(),
+            limits: joint.limits,
+            modes: self.modes(index, 1.0, ticks),
+            lever: joint.lever,
+        });
+        let axes: Vec<Axis> = axes.collect();
+        let ends: Vec<[f64; 2]> = self.joints.iter().map(|joint| joint.ends).collect();
         let mut deviation = most;
         for _ in 0..ATTEMPTS {
-            let (jerks, h) = self.solve(&axes, deviation, ticks)?;
-            let each = jerks.iter().zip(self.joints);
-            let plans = each.map(|(jerks, joint)| self.plan(jerks, h, joint.ends));
-            let plans = plans.collect::<Option<Vec<_>>>()?;
+            let motions = self.solve(&axes, deviation, (ticks, &ends)).ok_or(None)?;
+            let plans = motions.iter().map(|motion| motion.sample(self.period).ok());
+            let plans = plans.collect::<Option<Vec<_>>>().ok_or(None)?;
             let departure = self.departure(&plans);
             if departure <= most {
-                let left = |index: usize| self.left_by(&jerks[index], h, index);
-                return self.told(plans, left, departure);
+                let left = |index: usize| self.left_by(&motions[index], index);
+                return self.left(left, departure).within(|| Some(plans));
             }
             // The bound holds at the steps; between them the deviation may be larger.
             deviation *= 0.99 * most / departure;
         }
-        None
+        Err(None)
     }
 
     /// A move with all joints along the path.
-    fn along_path(&self, ticks: usize) -> Option<Fastest> {
+    fn along_path(&self, ticks: usize) -> Tried {
         let distance = |index: usize| self.joints[index].distance().abs();
         let all =
             (0..self.joints.len()).flat_map(|index| self.modes(index, distance(index), ticks));
@@ -151,56 +167,42 @@ impl<'a> Search<'a> {
             modes: all.collect(),
             lever: 0.0,
         };
-        let (jerks, h) = self.solve(&[axis], 0.0, ticks)?;
-        let path = self.plan(&jerks[0], h, [0.0, 1.0])?;
-        let left = |index: usize| distance(index) * self.left_by(&jerks[0], h, index);
-        self.told(self.along(&path), left, 0.0)
+        let motion = self.solve(&[axis], 0.0, (ticks, &[[0.0, 1.0]]));
+        let motion = &motion.ok_or(None)?[0];
+        let left = |index: usize| distance(index) * self.left_by(motion, index);
+        let plans = || Some(self.along(&motion.sample(self.period).ok()?));
+        self.left(left, 0.0).within(plans)
     }
 
-    /// Jerks of axes with the exact end and within the limits, and the duration of their steps, s.
-    fn solve(&self, axes: &[Axis], deviation: f64, ticks: usize) -> Option<(Vec<Vec<f64>>, f64)> {
-        let duration = ticks as f64 * self.period;
-        let steps = self.steps(duration);
-        let h = duration / steps as f64;
+    /// Motions of axes between exact ends and within the limits.
+    fn solve(
+        &self,
+        axes: &[Axis],
+        deviation: f64,
+        (ticks, ends): (usize, &[[f64; 2]]),
+    ) -> Option<Vec<Trajectory>> {
+        let steps = self.steps(ticks);
         let program = Program {
             axes,
             deviation,
-            steps,
+            steps: &steps,
         };
-        let mut jerks = program.solve(duration)?;
-        for (axis, jerks) in axes.iter().zip(&mut jerks) {
-            exact_end(jerks, h, axis.distance)?;
-            if !keeps_limits(jerks, h, axis.limits) {
-                return None;
-            }
-        }
-        Some((jerks, h))
+        let each = program.solve()?.into_iter().zip(axes).zip(ends);
+        let motions = each.map(|((mut jerks, axis), ends)| {
+            exact_end(&mut jerks, &steps, axis.distance)?;
+            let steps = steps.iter().zip(jerks);
+            let steps: Vec<(f64, f64)> = steps.map(|(step, jerk)| (step.duration, jerk)).collect();
+            let [from, to] = ends.map(AxisState::at_rest);
+            let motion = Trajectory::of_steps(from, to, &steps).ok()?;
+            keeps_limits(&motion.axes()[0], axis.limits).then_some(motion)
+        });
+        motions.collect()
     }
 
-    /// The result, if no joint exceeds its allowed amplitude (rad).
-    fn told(
-        &self,
-        plans: Vec<SampledTrajectory>,
-        left: impl Fn(usize) -> f64,
-        departure: f64,
-    ) -> Option<Fastest> {
-        let (mut residual, mut vibration): (f64, f64) = (0.0, 0.0);
-        for (index, known) in self.known.iter().enumerate() {
-            let left = left(index);
-            if left > known.allowed {
-                return None;
-            }
-            if known.unshaped > 0.0 {
-                residual = residual.max(left / known.unshaped);
-            }
-            vibration = vibration.max(left * known.lever);
-        }
-        let bounds = Bounds {
-            residual,
-            vibration,
-            departure,
-        };
-        Some(Fastest { plans, bounds })
+    /// What a move leaves, from the amplitude of each joint (rad).
+    fn left(&self, left: impl Fn(usize) -> f64, departure: f64) -> Left {
+        let amplitudes = (0..self.known.len()).map(left);
+        Left::new(self.known.iter().zip(amplitudes), departure)
     }
 
     fn periods(&self) -> impl Iterator<Item = f64> {
@@ -208,11 +210,11 @@ impl<'a> Search<'a> {
         modes.map(|known| known.mode.damped_period())
     }
 
-    fn steps(&self, duration: f64) -> usize {
+    fn steps(&self, ticks: usize) -> Vec<Step> {
         let fastest = self.periods().fold(f64::INFINITY, f64::min);
         let ramp = self.path.acceleration / self.path.jerk;
-        let step = (fastest / PER_PERIOD).min(ramp / PER_RAMP);
-        (duration / step).clamp(STEPS.0, STEPS.1) as usize
+        let short = (fastest / PER_PERIOD).min(ramp / PER_RAMP);
+        steps(&self.full.axes()[0], ticks as f64 * self.period, short)
     }
 
     /// The modes of a joint, whose amplitudes are `factor` times those of its axis, and their weights.
@@ -225,17 +227,10 @@ impl<'a> Search<'a> {
         nodes.map(|swing| (swing, weight)).collect()
     }
 
-    /// The largest residual amplitude of the modes of a joint after steps of jerk.
-    fn left_by(&self, jerks: &[f64], h: f64, index: usize) -> f64 {
-        let duration = jerks.len() as f64 * h;
-        self.known[index].most(duration, |swing| swing.left_by(jerks, h))
-    }
-
-    fn plan(&self, jerks: &[f64], h: f64, ends: [f64; 2]) -> Option<SampledTrajectory> {
-        let steps: Vec<(f64, f64)> = jerks.iter().map(|jerk| (h, *jerk)).collect();
-        let [from, to] = ends.map(AxisState::at_rest);
-        let plan = Trajectory::of_steps(from, to, &steps).ok()?;
-        plan.sample(self.period).ok()
+    /// The largest residual amplitude of the modes of a joint after a motion.
+    fn left_by(&self, motion: &Trajectory, index: usize) -> f64 {
+        let axis = &motion.axes()[0];
+        self.known[index].most(motion.duration(), |swing| swing.left_by_plan(axis))
     }
 
     fn along(&self, path: &SampledTrajectory) -> Vec<SampledTrajectory> {

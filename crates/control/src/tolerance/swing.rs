@@ -3,6 +3,8 @@
 use nalgebra::Complex;
 use quell_trajectories::AxisProfile;
 
+use super::steps::Step;
+
 /// A mode that a motion excites.
 ///
 /// A motion from rest to rest leaves a deflection of the amplitude `|int_0^T a(t) exp(mu (T - t)) dt| / omega_d
@@ -37,31 +39,28 @@ impl Swing {
         (self.pole.scale(h).exp() - 1.0) / (self.pole * self.pole * self.pole.im)
     }
 
-    /// The residual of a jerk of 1 in each of `steps` steps of `h` s, at the end of the last.
-    pub fn of_steps(&self, steps: usize, h: f64) -> Vec<Complex<f64>> {
-        let step = self.step(h);
-        let before_end = |k: usize| (steps - 1 - k) as f64 * h;
-        (0..steps)
-            .map(|k| step * self.pole.scale(before_end(k)).exp())
-            .collect()
-    }
-
-    /// Amplitude that equal steps of these jerks leave.
-    pub fn left_by(&self, jerks: &[f64], h: f64) -> f64 {
-        let turn = self.pole.scale(h).exp();
-        let sum = jerks
-            .iter()
-            .fold(Complex::new(0.0, 0.0), |sum, jerk| sum * turn + jerk);
-        (sum * self.step(h)).norm()
+    /// The residual of a jerk of 1 in each of some steps, at the end of the last.
+    pub fn of_steps(&self, steps: &[Step]) -> Vec<Complex<f64>> {
+        let mut after: f64 = steps.iter().map(|step| step.duration).sum();
+        let each = steps.iter().map(|step| {
+            after -= step.duration;
+            self.step(step.duration) * self.pole.scale(after).exp()
+        });
+        each.collect()
     }
 
     /// Amplitude that a plan leaves at its end.
     pub fn left_by_plan(&self, plan: &AxisProfile) -> f64 {
-        let phases = plan.phases();
-        let sum = phases.iter().fold(Complex::new(0.0, 0.0), |sum, phase| {
-            let turn = self.pole.scale(phase.duration).exp();
-            sum * turn + self.step(phase.duration).scale(phase.jerk)
-        });
+        let (mut sum, mut duration) = (Complex::new(0.0, 0.0), 0.0);
+        let [mut turn, mut step] = [sum; 2];
+        for phase in plan.phases() {
+            // Many phases have the duration of the one before.
+            if phase.duration != duration {
+                duration = phase.duration;
+                (turn, step) = (self.pole.scale(duration).exp(), self.step(duration));
+            }
+            sum = sum * turn + step.scale(phase.jerk);
+        }
         sum.norm()
     }
 }
