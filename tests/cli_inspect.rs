@@ -272,6 +272,14 @@ fn bad_manifests_are_refused_with_line_and_key() {
     }
 }
 
+/// Error for a `.parquet` file that is not one.
+const PARQUET: &str = match cfg!(feature = "parquet") {
+    true => "byte 0: the Parquet data cannot be read: it does not begin with PAR1",
+    false => {
+        "a Parquet file is not read: build quell with --features parquet, or read it with quell in Python"
+    }
+};
+
 #[test]
 fn a_path_that_is_no_recording_is_refused_with_a_way_out() {
     let empty = TempDir::new().unwrap();
@@ -286,7 +294,7 @@ fn a_path_that_is_no_recording_is_refused_with_a_way_out() {
         ("run.mat", "a MATLAB file is not read"),
         ("run.db3", "a ROS 2 bag (SQLite) is not read"),
         ("run.bag", "a ROS 1 bag is not read"),
-        ("run.parquet", "a Parquet file is not read"),
+        ("run.parquet", PARQUET),
         ("run.xlsx", "a spreadsheet is not read"),
         ("run.npz", "a NumPy file is not read"),
     ] {

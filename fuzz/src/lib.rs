@@ -1,7 +1,7 @@
 //! The common parts of the targets: a folder in memory, and what holds of every recording that was read.
 
 use quell::recording::health::{health, remarks};
-use quell::recording::{Channel, Recording};
+use quell::recording::{Channel, Recording, Role, Table};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -57,4 +57,43 @@ pub fn check_recording(mut recording: Recording, folder: &Folder) {
         .channels
         .iter_mut()
         .for_each(Channel::unwrap_turns);
+}
+
+/// Checks a table: rows are as wide as the header, and where the first column is stamps and the second numbers, the recording
+/// of both.
+pub fn check_table(table: &Table, folder: &Folder) {
+    let width = table.header().len();
+    for row in table.rows().flatten() {
+        assert_eq!(row.len(), width);
+    }
+    let [first, second, ..] = table.header() else {
+        return;
+    };
+    for rate_hz in [250.0, 1.0] {
+        let _ = table
+            .stamps_at_rate(first, rate_hz)
+            .map_err(|error| error.to_string());
+    }
+    let (time, columns) = match (table.stamps(first), table.numbers(&[second])) {
+        (Ok(time), Ok(columns)) => (time, columns),
+        (time, columns) => {
+            let told = [time.err(), columns.err()].into_iter().flatten();
+            return told.for_each(|error| assert!(!error.to_string().is_empty()));
+        }
+    };
+    let (role, unit) = (Role::MotorPosition, "rad".into());
+    let channels = vec![Channel {
+        role,
+        unit,
+        time,
+        columns,
+    }];
+    check_recording(
+        Recording {
+            name: String::new(),
+            payload: None,
+            channels,
+        },
+        folder,
+    );
 }

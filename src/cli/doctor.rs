@@ -32,9 +32,14 @@ struct Feature {
 }
 
 /// All optional parts.
-const FEATURES: [Feature; 5] = [
+const FEATURES: [Feature; 6] = [
     feature("serve", cfg!(feature = "serve"), "quell serve: the service"),
     feature("urdf", cfg!(feature = "urdf"), "robots described in URDF"),
+    feature(
+        "parquet",
+        cfg!(feature = "parquet"),
+        "recordings in Parquet files",
+    ),
     feature(
         "nats",
         cfg!(feature = "nats"),
@@ -60,7 +65,7 @@ const fn feature(name: &'static str, built: bool, what: &'static str) -> Feature
 #[derive(Serialize)]
 struct Report {
     version: &'static str,
-    features: [Feature; 5],
+    features: [Feature; 6],
     machine: Machine,
     tick: Tick,
 }

@@ -54,8 +54,8 @@ Estimators that know the motor side's motion see the whole recording, of more th
 1e5 in a row whose deformation varies most, if the motion explains the deformation; the others, and
 all where it does not, see the strongest free decay.")]
 pub struct Args {
-    /// The manifest (recording.toml), its folder, an MCAP file, or a CSV file that says what its columns are; several of
-    /// what vibrates alone.
+    /// The manifest (recording.toml), its folder, an MCAP file, or a CSV or Parquet file that says what its columns
+    /// are; several of what vibrates alone.
     #[arg(required = true)]
     pub recording: Vec<PathBuf>,
     /// The model of the joint, as it is believed.

@@ -14,10 +14,10 @@ use serde_json::{Value, json};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// Tells what a recording holds, and what looks wrong with it; proposes the manifest of a CSV file.
+/// Tells what a recording holds, and what looks wrong with it; proposes the manifest of a CSV or Parquet file.
 ///
-/// Channels, rates, gaps, clock jitter, noise, quantisation, flat stretches, jumps and spikes. Of a CSV file, or a folder
-/// of them without a recording.toml, it writes recording.toml beside them, with what it guesses marked.
+/// Channels, rates, gaps, clock jitter, noise, quantisation, flat stretches, jumps and spikes. Of a CSV or Parquet file, or a
+/// folder of them without a recording.toml, it writes recording.toml beside them, with what it guesses marked.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -29,7 +29,7 @@ Examples:
 Columns of the tables: noise is the standard deviation of white noise, step the quantisation step,
 jitter the root mean square of interval minus period. Values are in SI, jitter in microseconds.")]
 pub struct Args {
-    /// The manifest (recording.toml), its folder, an MCAP file, or a CSV file.
+    /// The manifest (recording.toml), its folder, an MCAP file, or a CSV or Parquet file.
     pub recording: PathBuf,
     #[command(flatten)]
     force: Force,

@@ -19,7 +19,8 @@ pub struct ModeArgs {
     /// The model of the joint instead of --mode, as `quell identify` writes it.
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// A recording instead of --mode: manifest, folder, MCAP or CSV file. The modes are what `quell identify` finds in it.
+    /// A recording instead of --mode: manifest, folder, MCAP, CSV or Parquet file. The modes are what `quell identify` finds
+    /// in it.
     #[arg(long, value_name = "RECORDING")]
     pub recording: Option<PathBuf>,
 }

@@ -18,16 +18,19 @@ pub struct RecordingError {
     pub problem: Problem,
 }
 
-/// File, line and column of a problem, as an editor shows them; byte, topic and field of an MCAP file.
+/// File, line and column of a problem, as an editor shows them; byte, topic and field of an MCAP file; row, column or byte of
+/// a Parquet file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
-    /// The manifest, the CSV file or the MCAP file.
+    /// The manifest, the CSV file, the MCAP file or the Parquet file.
     pub file: PathBuf,
     /// Line, counted from 1, where the problem has one.
     pub line: Option<usize>,
-    /// Name of the CSV column, where the problem has one.
+    /// Row of a Parquet file, counted from 0, where the problem has one.
+    pub row: Option<usize>,
+    /// Name of the column of a CSV or Parquet file, where the problem has one.
     pub column: Option<String>,
-    /// Byte of an MCAP file, counted from 0, where the problem has one.
+    /// Byte of an MCAP or Parquet file, counted from 0, where the problem has one.
     pub byte: Option<usize>,
     /// Topic of an MCAP file, where the problem has one.
     pub topic: Option<String>,
@@ -35,7 +38,7 @@ pub struct Place {
     pub field: Option<String>,
 }
 
-/// A fault of a manifest, a CSV file or an MCAP file; carries the bad value.
+/// A fault of a manifest, a CSV, MCAP or Parquet file; carries the bad value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// The file or folder is not there.
@@ -111,6 +114,20 @@ pub enum Problem {
     /// The gzip stream ends early or is damaged.
     #[error("the gzip data cannot be read: {0}")]
     Gzip(String),
+    /// A Parquet file is damaged, or has a compression that is not supported.
+    #[error("the Parquet data cannot be read: {0}")]
+    Parquet(String),
+    /// A column of a Parquet file does not hold numbers.
+    #[error("{0}")]
+    NotNumbers(String),
+    /// A list in a Parquet file has another length than those in the rows before.
+    #[error("the list has {length} elements, but those before have {usual}")]
+    Uneven {
+        /// Elements in this row.
+        length: usize,
+        /// Elements in the rows before.
+        usual: usize,
+    },
     /// The bytes are not UTF-8 text.
     #[error("the text is not UTF-8")]
     NotUtf8,
@@ -258,6 +275,9 @@ impl fmt::Display for Place {
         write!(f, "{}:", self.file.display())?;
         if let Some(line) = self.line {
             write!(f, "{line}:")?;
+        }
+        if let Some(row) = self.row {
+            write!(f, " row {row}:")?;
         }
         if let Some(column) = &self.column {
             write!(f, " column \"{column}\":")?;

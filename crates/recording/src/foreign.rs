@@ -15,6 +15,14 @@ pub struct Foreign {
     magic: &'static [&'static [u8]],
 }
 
+/// Parquet, which only a build with the feature `parquet` reads.
+pub(super) const PARQUET: Foreign = Foreign {
+    name: "a Parquet file",
+    remedy: "build quell with --features parquet, or read it with quell in Python: Recording.load(\"run.parquet\")",
+    endings: &["parquet", "pq"],
+    magic: &[b"PAR1"],
+};
+
 /// Known formats that cannot be read.
 pub const FOREIGN: &[Foreign] = &[
     Foreign {
@@ -39,12 +47,8 @@ pub const FOREIGN: &[Foreign] = &[
         endings: &["bag"],
         magic: &[b"#ROSBAG V"],
     },
-    Foreign {
-        name: "a Parquet file",
-        remedy: "write it as CSV with Python: pandas.read_parquet(\"run.parquet\").to_csv(\"run.csv\", index=False)",
-        endings: &["parquet"],
-        magic: &[b"PAR1"],
-    },
+    #[cfg(not(feature = "parquet"))]
+    PARQUET,
     Foreign {
         name: "a spreadsheet",
         remedy: "save its sheet as CSV (UTF-8)",
@@ -59,15 +63,29 @@ pub const FOREIGN: &[Foreign] = &[
     },
 ];
 
+impl Foreign {
+    /// Whether the extension is one of the format.
+    pub(super) fn is_called(&self, path: &Path) -> bool {
+        let ending = path.extension().and_then(|ending| ending.to_str());
+        ending.is_some_and(|ending| self.endings.contains(&ending.to_ascii_lowercase().as_str()))
+    }
+
+    /// Whether the bytes begin as the format does.
+    pub(super) fn begins(&self, bytes: &[u8]) -> bool {
+        self.magic.iter().any(|magic| bytes.starts_with(magic))
+    }
+}
+
 /// The format of a file by its extension, else by its first bytes; `None` where it may be text.
 pub(super) fn of(path: &Path, bytes: &[u8]) -> Option<Foreign> {
-    let begins = |format: &&Foreign| format.magic.iter().any(|magic| bytes.starts_with(magic));
+    let begins = |format: &&Foreign| format.begins(bytes);
     by_ending(path).or_else(|| FOREIGN.iter().find(begins).copied())
 }
 
 /// The format of a file by its extension.
 pub(super) fn by_ending(path: &Path) -> Option<Foreign> {
-    let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-    let ends = |format: &&Foreign| format.endings.contains(&ending.as_str());
-    FOREIGN.iter().find(ends).copied()
+    FOREIGN
+        .iter()
+        .find(|format| format.is_called(path))
+        .copied()
 }

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// `[csv]`: how a CSV file is written, where it is not a header with rows of numbers.
+/// `[csv]`: how a CSV file is written, where it is not a header with rows of numbers. For Parquet only `missing` and `only` apply.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Layout {

@@ -1,5 +1,5 @@
-//! The manifest of a recording: a TOML file that says what the columns of CSV files are, or the topics of an
-//! MCAP file.
+//! The manifest of a recording: a TOML file that says what the columns of CSV and Parquet files are, or the topics
+//! of an MCAP file.
 
 mod csv;
 mod topic;
@@ -74,14 +74,14 @@ struct Entry {
     /// Whose channel it is, where a recording has several joints: its name in the robot's description. Without it a channel
     /// is every joint's.
     joint: Option<Spanned<String>>,
-    /// File beside the manifest: `.csv`, `.csv.gz` or `.mcap`.
+    /// File beside the manifest: `.csv`, `.csv.gz`, `.parquet` (feature `parquet`) or `.mcap`.
     file: Spanned<PathBuf>,
     /// Column with the stamps, s. Of an MCAP file `log_time`, `publish_time` or a field; `header.stamp` where absent.
     time: Option<Spanned<String>>,
     /// Unit of the stamps: `s`, `ms`, `us`, `ns`, `min`, or `iso` for dates of ISO 8601; `s` where absent. With this key
-    /// stamps since an epoch are told from the first one's whole second on. CSV only.
+    /// stamps since an epoch are told from the first one's whole second on. Not for MCAP.
     time_unit: Option<Spanned<String>>,
-    /// Samples a second, Hz, instead of `time`; CSV only.
+    /// Samples a second, Hz, instead of `time`; not for MCAP.
     rate_hz: Option<Spanned<f64>>,
     /// Column of the values.
     column: Option<String>,

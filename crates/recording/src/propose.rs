@@ -8,6 +8,7 @@ mod name;
 mod render;
 
 use super::error::{Problem, RecordingError};
+use super::table::parquet;
 use super::{MANIFEST, foreign};
 use content::Content;
 use std::path::{Path, PathBuf};
@@ -52,8 +53,11 @@ impl<T> Guess<T> {
     }
 }
 
-/// Whether a file contains columns of text, by its extension.
+/// Whether a file contains columns of text, by its extension; a Parquet file counts, too, if this build reads it.
 pub fn is_csv(path: &Path) -> bool {
+    if parquet::is_called(path) {
+        return true;
+    }
     let ending = path.extension().and_then(|ending| ending.to_str());
     ending.is_some_and(|ending| ENDINGS.contains(&ending.to_ascii_lowercase().as_str()))
 }

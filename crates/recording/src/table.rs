@@ -1,5 +1,6 @@
-//! CSV and gzipped CSV as a table of text, and its columns as numbers.
+//! CSV, gzipped CSV and Parquet as a table of text, and its columns as numbers.
 
+pub(super) mod parquet;
 mod text;
 
 pub(super) use text::text;
@@ -33,7 +34,8 @@ pub struct Table {
 type Offset = usize;
 
 impl Table {
-    /// Reads a `.csv` or `.csv.gz` file; gzip is detected by its first bytes, not by the name.
+    /// Reads a `.csv` or `.csv.gz` file, and with the feature `parquet` a Parquet file. Gzip is detected by its first bytes, not by
+    /// the name.
     ///
     /// # Errors
     /// [`RecordingError`] where the file is missing, empty, damaged or not UTF-8.
@@ -46,7 +48,10 @@ impl Table {
     /// # Errors
     /// As [`Table::open`], and where the layout names a missing column.
     pub fn open_as(path: &Path, layout: &Layout) -> Result<Self, RecordingError> {
-        Self::from_text(path, text(path)?, layout)
+        match parquet::is_one(path) {
+            true => parquet::table(path, layout, None),
+            false => Self::from_text(path, text(path)?, layout),
+        }
     }
 
     /// A table from a text in memory.
@@ -175,7 +180,7 @@ impl Table {
                 let unit = unit.name();
                 let text = cell.into();
                 let problem = Problem::NotATime { text, unit };
-                problem.at_cell(&self.path, self.line(offset), &self.header[index])
+                self.at_cell(problem, self.line(offset), &self.header[index])
             })?;
             stamps.push(stamp);
         }
@@ -232,7 +237,17 @@ impl Table {
             Some(Ok((offset, record))) => (self.line(offset), record[column].trim().to_owned()),
             _ => (1, String::new()),
         };
-        problem(text).at_cell(&self.path, line, &self.header[column])
+        self.at_cell(problem(text), line, &self.header[column])
+    }
+
+    /// A problem at a cell: with its line, or in a Parquet file with its row.
+    fn at_cell(&self, problem: Problem, line: usize, column: &str) -> RecordingError {
+        let mut error = problem.at_cell(&self.path, line, column);
+        if parquet::is_one(&self.path) {
+            error.place.line = None;
+            error.place.row = line.checked_sub(1 + self.header_line);
+        }
+        error
     }
 
     /// Index of a column in the header; a `#` before the first name is optional.
@@ -240,7 +255,7 @@ impl Table {
     /// # Errors
     /// [`RecordingError`] where the header does not have it, or has it more than once.
     pub fn index(&self, name: &str) -> Result<usize, RecordingError> {
-        let at_header = |problem: Problem| Err(problem.at_cell(&self.path, self.header_line, name));
+        let at_header = |problem: Problem| Err(self.at_cell(problem, self.header_line, name));
         let bare = name.trim_start_matches(marks(&self.layout));
         let is_named = |column: &String| column == name || column == bare;
         let count = self.header.iter().filter(|column| is_named(column)).count();
@@ -304,7 +319,7 @@ impl Table {
             Some(_) => Problem::NotFinite { text: text.into() },
             None => Problem::NotANumber { text: text.into() },
         };
-        Err(problem.at_cell(&self.path, self.line(offset), &self.header[column]))
+        Err(self.at_cell(problem, self.line(offset), &self.header[column]))
     }
 
     /// The line, counted from 1, of the record at an offset. The parser's offset lies before the

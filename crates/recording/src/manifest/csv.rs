@@ -1,13 +1,14 @@
-//! Channels from the columns of CSV files.
+//! Channels from the columns of CSV and Parquet files.
 
 use super::{Entry, Files, Numbers, Source, key};
 use crate::layout::Layout;
 use crate::stamp::{Origin, TIME_UNITS, TimeUnit};
+use crate::table::parquet;
 use crate::{RecordingError, Role, Table};
 use std::path::PathBuf;
 
 impl Source<'_> {
-    /// Stamps and columns of an entry with a CSV file.
+    /// Stamps and columns of an entry with a CSV or Parquet file.
     pub(super) fn cells(
         &self,
         (entry, layout): (&Entry, Option<&Layout>),
@@ -22,14 +23,35 @@ impl Source<'_> {
         let keys = ["column", "columns"];
         let names = self.names(entry, role, keys, (&entry.column, &entry.columns))?;
         let layout = layout.cloned().unwrap_or_default();
+        if parquet::is_one(&path) {
+            // Columns are read one by one, so only those of the entry.
+            let time = entry.time.iter().map(|time| time.get_ref());
+            let tests = layout.only.iter().flat_map(|only| only.keys());
+            let others = time.chain(tests).map(String::as_str);
+            let wanted: Vec<&str> = names.iter().copied().chain(others).collect();
+            tracing::info!(file = %path.display(), "reading");
+            let table = parquet::table(&path, &layout, Some(&wanted))?;
+            return self.numbers(entry, &names, &table, &mut files.origin);
+        }
         if files.tables.get(&path).is_none_or(|held| held.0 != layout) {
             tracing::info!(file = %path.display(), "reading");
             let table = Table::open_as(&path, &layout)?;
             files.tables.insert(path.clone(), (layout, table));
         }
         let table = &files.tables[&path].1;
-        let columns = table.numbers(&names)?;
-        let time = self.time(entry, table, columns[0].len(), &mut files.origin)?;
+        self.numbers(entry, &names, table, &mut files.origin)
+    }
+
+    /// Stamps and columns from the table of an entry's file.
+    fn numbers(
+        &self,
+        entry: &Entry,
+        names: &[&str],
+        table: &Table,
+        origin: &mut Origin,
+    ) -> Result<Numbers, RecordingError> {
+        let columns = table.numbers(names)?;
+        let time = self.time(entry, table, columns[0].len(), origin)?;
         Ok((time, columns))
     }
 

@@ -2,7 +2,7 @@
 
 use super::super::error::{Problem, RecordingError};
 use super::super::layout::Layout;
-use super::super::table::{self, Table};
+use super::super::table::{self, Table, parquet};
 use super::form;
 use super::name::{self, Name};
 use std::collections::BTreeSet;
@@ -51,6 +51,9 @@ impl Content {
     /// # Errors
     /// As [`Content::read`].
     pub fn known(path: &Path) -> Result<Option<Self>, RecordingError> {
+        if parquet::is_one(path) {
+            return Ok(None);
+        }
         let text = table::text(path)?;
         let head: Vec<&str> = text.lines().take(HEAD).collect();
         let last = text.trim_end().lines().last().unwrap_or_default();
@@ -67,6 +70,11 @@ impl Content {
     /// # Errors
     /// [`RecordingError`] where it cannot be read, or has no numbers.
     pub fn read(path: &Path) -> Result<Self, RecordingError> {
+        if parquet::is_one(path) {
+            let table = Table::open(path)?;
+            let titles = table.header().to_vec();
+            return Self::of_table(&table, Layout::default(), &titles);
+        }
         Self::of(path, table::text(path)?)
     }
 
@@ -75,13 +83,26 @@ impl Content {
             return Err(Problem::Empty.in_file(path));
         }
         let form = form::of(&text).ok_or_else(|| Problem::NoNumbers.in_file(path))?;
-        let mut layout = form.layout;
+        let layout = form.layout;
         let last = text.trim_end().lines().last().unwrap_or_default();
         let told_rate_hz = told_rate(last);
         let table = Table::from_text(path, text, &layout)?;
         let titles = form.names.unwrap_or_else(|| table.header().to_vec());
+        Ok(Self {
+            told_rate_hz,
+            ..Self::of_table(&table, layout, &titles)?
+        })
+    }
+
+    /// Content of a table in this layout, with a title for each column.
+    fn of_table(
+        table: &Table,
+        mut layout: Layout,
+        titles: &[String],
+    ) -> Result<Self, RecordingError> {
+        let path = table.path();
         let mut columns: Vec<Column> = Vec::new();
-        for (called, title) in table.header().iter().zip(&titles) {
+        for (called, title) in table.header().iter().zip(titles) {
             columns.push(Column::new(called, title));
         }
         let mut missing = BTreeSet::new();
@@ -98,13 +119,16 @@ impl Content {
         {
             return Err(Problem::NoRows.in_file(path));
         }
+        // Nulls in a Parquet file are always missing, so the manifest need not say it.
+        if parquet::is_one(path) {
+            missing.remove(parquet::NULL);
+        }
         layout.missing = (!missing.is_empty()).then(|| missing.into_iter().collect());
-        let path = path.into();
         Ok(Self {
-            path,
+            path: path.into(),
             layout,
             columns,
-            told_rate_hz,
+            told_rate_hz: None,
         })
     }
 
