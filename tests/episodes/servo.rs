@@ -12,7 +12,7 @@ pub const SAMPLES: usize = 600;
 const GAINS: [f64; 2] = [12.0, 40.0];
 const NOISE: f64 = 2e-4;
 /// How late the second joint's drive is, s; friction of the first one's.
-pub const LATE: f64 = 0.08;
+const LATE: f64 = 0.08;
 const FRICTION: f64 = 3.0;
 
 /// Command of a joint, rad: what a hand shows it, held over a sample.
@@ -72,4 +72,15 @@ pub fn servo() -> String {
         "kind = \"rigid_axis\"\ninput_hold = \"zero_order\"\nmass = {{ value = 1.0, fixed = true }}\nviscous = 0.0\n\
          position_gain = {position}\nvelocity_gain = {velocity}\n"
     )
+}
+
+/// Checks that a diagnosis names the delay of the second joint's drive, or the same of its sensor.
+pub fn names_the_delay(told: &serde_json::Value) {
+    let finding = &told["findings"][0];
+    assert!(
+        ["drive_delay", "sensor_delay"].contains(&finding["effect"].as_str().unwrap()),
+        "{finding}"
+    );
+    let delay = finding["parameters"][0]["value"].as_f64().unwrap();
+    assert!((delay / LATE - 1.0).abs() < 0.02, "{finding}");
 }
