@@ -6,10 +6,10 @@
 //!
 //! Source: Snee, Validation of regression models, Technometrics 19 (1977), for splits whose parts cover the same region.
 
+use super::range::{EMPTY, widen};
 use super::split::{EVERY, parts};
 use quell_model::Experiment;
 use quell_model::effects::KNOTS;
-use std::ops::Range;
 
 /// First stretches that may be held out. The very first one shows the start: what friction holds there stays until the motion
 /// begins. Where both are alike, the recording begins and ends with fitted stretches.
@@ -27,33 +27,25 @@ pub fn least_beyond(experiments: &[Experiment], stretch: f64) -> usize {
 /// its range.
 fn beyond(experiments: &[Experiment], stretch: f64, from: usize) -> f64 {
     let of_series = |index: usize| {
-        let mut spans = [EMPTY; 2];
+        let [mut fitted, mut held] = [[EMPTY; 2]; 2];
         for experiment in experiments {
             let Some((time, values)) = series(experiment).nth(index) else {
                 continue;
             };
             for (k, rows) in parts(experiment, time, stretch).into_iter().enumerate() {
-                let part = usize::from(k % EVERY == from);
-                for (own, next) in spans[part].iter_mut().zip(visited(values, rows)) {
-                    *own = [own[0].min(next[0]), own[1].max(next[1])];
-                }
+                let part = if k % EVERY == from {
+                    &mut held
+                } else {
+                    &mut fitted
+                };
+                visit(part, &values[rows]);
             }
         }
-        let [fitted, held] = spans;
-        fitted
-            .into_iter()
-            .zip(held)
-            .map(|(f, h)| excess(f, h))
-            .sum::<f64>()
+        (0..2).map(|k| excess(fitted[k], held[k])).sum::<f64>()
     };
     let most = experiments.iter().map(|own| series(own).count()).max();
     (0..most.unwrap_or(0)).map(of_series).sum()
 }
-
-/// Least and greatest value and change.
-type Spans = [[f64; 2]; 2];
-
-const EMPTY: Spans = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
 
 /// Input and outputs.
 fn series(experiment: &Experiment) -> impl Iterator<Item = (&[f64], &[f64])> {
@@ -62,23 +54,20 @@ fn series(experiment: &Experiment) -> impl Iterator<Item = (&[f64], &[f64])> {
     std::iter::once(input).chain(outputs.map(|own| (&own.time[..], &own.values[..])))
 }
 
-fn visited(values: &[f64], rows: Range<usize>) -> Spans {
-    let own = &values[rows];
-    let apart = (own.len() / PARTS).max(1);
-    let span = |values: &mut dyn Iterator<Item = f64>| {
-        values
-            .filter(|v| v.is_finite())
-            .fold(EMPTY[0], |[low, high], v| [low.min(v), high.max(v)])
-    };
-    let mut changes = own.iter().zip(own.iter().skip(apart)).map(|(a, b)| b - a);
-    [span(&mut own.iter().copied()), span(&mut changes)]
+/// Extends the ranges of values and changes by those of a stretch.
+fn visit([all, changes]: &mut [(f64, f64); 2], values: &[f64]) {
+    let apart = (values.len() / PARTS).max(1);
+    values.iter().for_each(|value| widen(all, *value));
+    let later = values.iter().skip(apart);
+    let pairs = values.iter().zip(later);
+    pairs.for_each(|(before, after)| widen(changes, after - before));
 }
 
 /// The part of the held-out range outside of the fitted one, as a share of both together; 0 where it is less than the distance of
 /// a learned law's knots, to which a law over this range is resolved.
-fn excess(fitted: [f64; 2], held: [f64; 2]) -> f64 {
-    let whole = fitted[1].max(held[1]) - fitted[0].min(held[0]);
-    let outside = (fitted[0] - held[0]).max(0.0) + (held[1] - fitted[1]).max(0.0);
+fn excess(fitted: (f64, f64), held: (f64, f64)) -> f64 {
+    let whole = fitted.1.max(held.1) - fitted.0.min(held.0);
+    let outside = (fitted.0 - held.0).max(0.0) + (held.1 - fitted.1).max(0.0);
     let seen = outside.is_finite() && outside * (KNOTS - 1) as f64 > whole;
     if seen { outside / whole } else { 0.0 }
 }

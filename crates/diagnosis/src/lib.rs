@@ -55,6 +55,7 @@ mod prior;
 mod problem;
 mod projector;
 mod quality;
+mod range;
 mod remarks;
 mod residual_of;
 mod rounding;

@@ -3,7 +3,7 @@
 
 use super::explanation::Explanation;
 use super::found::CREDIBLE;
-use super::point::{EffectAt, Point};
+use super::point::Point;
 use super::problem::Problem;
 use super::search::Search;
 use quell_model::Term;
@@ -31,10 +31,7 @@ impl Search<'_> {
         for &(own, log) in ranked {
             let limits = self.limits_of_unknown_shape(own, temperature);
             let simpler = ranked.iter().filter(|other| {
-                let theirs = other.0.effects();
-                let is_limit = limits.iter().any(|own| {
-                    own.len() == theirs.len() && own.iter().all(|effect| theirs.contains(effect))
-                });
+                let is_limit = limits.iter().any(|limit| other.0.has_structure_of(limit));
                 is_limit && log - other.1 < -(1.0 - CREDIBLE).ln()
             });
             order.extend(simpler.map(|other| other.0.clone()));
@@ -43,18 +40,17 @@ impl Search<'_> {
         order
     }
 
-    /// The effects of an explanation, with a simpler one in the place of one of unknown shape that contains it.
-    fn limits_of_unknown_shape(&self, own: &Explanation, temperature: f64) -> Vec<Vec<EffectAt>> {
+    /// Points with a simpler law in the place of one of unknown shape that contains it; its values are still those of the latter.
+    fn limits_of_unknown_shape(&self, own: &Explanation, temperature: f64) -> Vec<Point> {
         let unknown = self.problem.unknown(own, temperature).into_iter();
         let shapeless = unknown.filter(|(_, role)| *role == ParameterRole::Shape);
         let with_limits = shapeless.flat_map(|(term, _)| {
             let (effect, place) = own.fitted.point.terms[term].identity();
             effect.limits().filter_map(move |limit| {
-                let there = place_of(self.problem, limit, place)?;
-                let mut effects = own.effects();
-                let index = effects.iter().position(|other| *other == (effect, place))?;
-                effects[index] = (limit, there);
-                Some(effects)
+                let mut point = own.fitted.point.clone();
+                point.terms[term].place = place_of(self.problem, limit, place)?;
+                point.terms[term].effect = limit;
+                Some(point)
             })
         });
         with_limits.collect()

@@ -1,5 +1,6 @@
 //! Sizes of a model's motion.
 
+use super::range::{EMPTY, widen};
 use quell_model::chain::MotorSide;
 use quell_model::effects::{Scales, Visited};
 use quell_model::{Departure, Experiment, Kind, Model, StartComponent, Trace, see_motion};
@@ -39,16 +40,6 @@ struct Extremes {
     acceleration: f64,
     force: f64,
     visited: Visited,
-}
-
-/// The empty range.
-const EMPTY: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
-
-/// Extends a range to a value; a value that is not finite is ignored.
-fn widen(range: &mut (f64, f64), value: f64) {
-    if value.is_finite() {
-        *range = (range.0.min(value), range.1.max(value));
-    }
 }
 
 impl Default for Extremes {
