@@ -29,12 +29,14 @@ impl Data {
     pub fn new(model: &Model, experiments: Vec<Experiment>, apart: Vec<Experiment>) -> Self {
         let scales = scales(model.kind, &model.keys(), &experiments, model);
         let stretch = STRETCH * scales.period();
-        let from = least_beyond(&experiments, stretch);
+        let from = apart
+            .is_empty()
+            .then(|| least_beyond(&experiments, stretch));
         let (mut train, mut held_out) = (Vec::new(), Vec::new());
         for experiment in &experiments {
-            let parts = match apart.is_empty() {
-                true => split::interleaved(experiment, stretch, from),
-                false => Split {
+            let parts = match from {
+                Some(from) => split::interleaved(experiment, stretch, from),
+                None => Split {
                     train: split::whole(experiment),
                     held_out: vec![Vec::new(); experiment.outputs.len()],
                 },

@@ -34,8 +34,10 @@ pub fn searched_in_long_steps(
     told: (&Known, Progress),
 ) -> Option<Pool> {
     let point = &baseline.fitted.point;
+    let shorter = (0..).map_while(|halved| judge.data.in_long_steps(judge.model, halved));
+    let mut shorter = shorter.peekable();
+    shorter.peek()?;
     let unseen = Unseen::new(problem, point);
-    let mut shorter = (0..).map_while(|halved| judge.data.in_long_steps(judge.model, halved));
     let long = shorter.find(|long| unseen.is_error_of(&long.experiments))?;
     let mut own = Problem {
         experiments: &long.experiments,
