@@ -44,6 +44,7 @@ mod preferred;
 #[cfg(test)]
 mod properties;
 mod propose;
+mod resolution;
 mod role;
 mod sink;
 mod stamp;
@@ -60,6 +61,7 @@ pub use mcap::{Cut, Damage, Decoder, Encoder, Found, McapFile, McapWriter, Mende
 pub use preferred::Preferred;
 pub use propose::{Proposal, Proposed, is_csv, propose};
 pub use role::{ROLES, Role, RoleEntry};
+pub use resolution::{to_nanosecond, to_resolution, to_scale};
 pub use sink::Sink;
 pub use stamp::{Origin, TIME_UNITS, TimeUnit};
 pub use syntax::SyntaxError;

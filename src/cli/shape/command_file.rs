@@ -3,7 +3,7 @@
 use super::Args;
 use crate::cli::out::Out;
 use crate::cli::{CliError, shaping, time_column::time_column};
-use crate::recording::Table;
+use crate::recording::{Table, to_nanosecond, to_scale};
 use flate2::{Compression, write::GzEncoder};
 use quell_shapers::GridTrain;
 use std::io::Write;
@@ -76,6 +76,8 @@ fn text(
         .from_writer(Vec::new());
     out.write_record(table.header())
         .map_err(CliError::failure)?;
+    let largest = |column: &Vec<f64>| column.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let scales: Vec<_> = shaped.iter().map(largest).collect();
     let mut cells: Vec<String> = Vec::new();
     let mut rows = table.rows();
     let mut past_end = 0;
@@ -84,13 +86,12 @@ fn text(
             Some(row) => cells = row?.iter().map(str::to_owned).collect(),
             None => past_end += 1,
         }
-        for (&index, column) in indices.iter().zip(shaped) {
-            cells[index] = format!("{:?}", column[sample]);
+        for ((&index, column), &scale) in indices.iter().zip(shaped).zip(&scales) {
+            cells[index] = format!("{:?}", to_scale(column[sample], scale));
         }
         if let Some((index, end)) = clock.time.filter(|_| past_end > 0) {
-            // Rounded to the nanosecond, to keep rounding errors of the sum out of the file.
             let time = end + f64::from(past_end) / clock.rate;
-            cells[index] = format!("{:?}", (time * 1e9).round() / 1e9);
+            cells[index] = format!("{:?}", to_nanosecond(time));
         }
         out.write_record(&cells).map_err(CliError::failure)?;
     }

@@ -10,6 +10,7 @@ use super::learned::WITHIN;
 use super::pacing::Pacing;
 use super::planning::{Moment, Planned, plan};
 use super::running::Running;
+use crate::recording::to_resolution;
 use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError, Stopping};
 use crate::service::tick::{NotTaken, Plan, Start, Taken, ToTick};
 
@@ -355,7 +356,7 @@ impl Engine {
             joint_index: index,
             time_s: taken.time,
             unix_time_s: self.clock.unix_time(),
-            from_rad: from,
+            from_rad: to_resolution(from),
             target_rad: joint.position,
             shaper: match asked.what {
                 What::Move { within: true, .. } => WITHIN.to_owned(),

@@ -3,11 +3,15 @@
 use std::path::Path;
 
 use super::known::Known;
-use crate::recording::{Channel, McapWriter, Recording, RecordingError, Role, Sink};
+use crate::recording::{Channel, McapWriter, Recording, RecordingError, Role, Sink, to_resolution};
 use crate::service::contract::{Batch, JointSnapshot, Measured, Quantity};
 
 /// Most rows of a channel: five minutes at 4 kHz. Later ones are dropped.
 const MOST_ROWS: usize = 1_200_000;
+
+/// Nearest stamps of a channel, s: files hold nanoseconds, and two stamps that are two apart stay apart,
+/// however they are rounded.
+const NEAREST: f64 = 2e-9;
 
 /// Range of wall times for the start of a file, seconds since 1970: a day within the range of ROS 2 stamps. A
 /// clock that is wrong by decades must not cost the recording.
@@ -68,7 +72,7 @@ impl Log {
     }
 
     /// Adds a batch's data of the joint. Refused measurements and stamps that do not increase are left out,
-    /// since they would be an invalid recording.
+    /// since they would be an invalid recording. Values are taken to the resolution of files.
     pub fn take(&mut self, batch: &Batch) {
         let ticks = batch.ticks.iter();
         for row in ticks.filter(|row| row.joint == self.joint && row.time >= self.from) {
@@ -76,7 +80,7 @@ impl Log {
             if follows(&self.command.time, row.time) && state.iter().all(|value| value.is_finite())
             {
                 self.command.time.push(row.time);
-                self.command.state.push(state);
+                self.command.state.push(state.map(to_resolution));
             }
         }
         for one in &batch.measured {
@@ -138,6 +142,7 @@ impl Log {
             payload: payload.map(|mass| format!("{mass} kg")),
             channels,
         }
+        .to_resolution()
     }
 
     /// The same as an MCAP file, in the order of events. `path` is for errors; `epoch` is the wall time at
@@ -243,7 +248,7 @@ impl Sensor {
             self.received.push(one.received);
             self.time.push(one.stamp);
             let columns = self.columns.iter_mut().zip(values);
-            columns.for_each(|(column, &value)| column.push(value));
+            columns.for_each(|(column, &value)| column.push(to_resolution(value)));
         }
     }
 
@@ -269,7 +274,7 @@ impl Sensor {
 
 /// Whether a stamp may follow.
 fn follows(time: &[f64], stamp: f64) -> bool {
-    time.len() < MOST_ROWS && time.last().is_none_or(|&last| stamp > last)
+    time.len() < MOST_ROWS && time.last().is_none_or(|&last| stamp - last > NEAREST)
 }
 
 /// Role, number of columns and unit of a quantity.
@@ -292,7 +297,8 @@ mod tests {
     fn clocks_of_sensors_keep_their_distance() {
         let tick = |time| TickRow {
             time,
-            position: time,
+            position: time + 3e-226,
+            velocity: -3e-226,
             ..TickRow::default()
         };
         let measured = |quantity, received, stamp, refused| Measured {
@@ -304,7 +310,13 @@ mod tests {
             refused,
         };
         let batch = Batch {
-            ticks: vec![tick(9.0), tick(10.0), tick(10.5), tick(10.5), tick(11.0)],
+            ticks: vec![
+                tick(9.0),
+                tick(10.0),
+                tick(10.500_000_000_000_002),
+                tick(10.5),
+                tick(11.0),
+            ],
             measured: vec![
                 measured(Quantity::MotorPosition, 10.02, 510.0, false),
                 measured(Quantity::TipPosition, 10.06, 510.01, false),
@@ -322,6 +334,9 @@ mod tests {
         let (motor, tip) = (time(Role::MotorPosition), time(Role::TipPosition));
         assert_eq!((motor.len(), tip.len()), (1, 1));
         assert!((motor[0] - 0.02).abs() < 1e-9 && (tip[0] - motor[0] - 0.01).abs() < 1e-9);
+        // No file has the rounding of the arithmetic.
+        assert_eq!(log.command.state[0], [10.0, 0.0, 0.0]);
+        assert!(log.command.state[0][1].is_sign_positive());
         assert_eq!(recording.payload.as_deref(), Some("0.5 kg"));
     }
 }

@@ -60,9 +60,8 @@ impl MeasurementLog {
         measurements
     }
 
-    /// The channels with samples, in the order command, motor, link, deformation, tip. Stamps are rounded to
-    /// 1e-9 s, angles to 1e-12 rad and positions to 1e-12 m, below the resolution of any sensor, so that files
-    /// contain no rounding errors of the arithmetic.
+    /// The channels with samples, in the order command, motor, link, deformation, tip, to the resolution of
+    /// files.
     pub fn into_recording(self, name: &str) -> Recording {
         let scalar = |role, (time, values): (Vec<f64>, Vec<f64>)| Channel {
             role,
@@ -83,30 +82,13 @@ impl MeasurementLog {
             },
         ];
         channels.retain(|channel| !channel.time.is_empty());
-        for channel in &mut channels {
-            channel
-                .time
-                .iter_mut()
-                .for_each(|time| *time = rounded(*time, STAMPS));
-            let values = channel.columns.iter_mut().flatten();
-            values.for_each(|value| *value = rounded(*value, VALUES));
-        }
         Recording {
             name: name.to_string(),
             payload: None,
             channels,
         }
+        .to_resolution()
     }
-}
-
-/// Resolution of stamps, parts of a second.
-const STAMPS: f64 = 1e9;
-/// Resolution of values, parts of a radian or a metre.
-const VALUES: f64 = 1e12;
-
-/// Rounded to a number of parts of one; zero has no sign.
-fn rounded(value: f64, parts: f64) -> f64 {
-    (value * parts).round() / parts + 0.0
 }
 
 fn push(series: &mut (Vec<f64>, Vec<f64>), time: f64, value: f64) {
