@@ -262,11 +262,11 @@ fn a_robot_file_is_refused_with_line_key_and_what_was_meant() {
         ),
         (
             ("\"across_joint\"", "\"across_join\""),
-            "did you mean \"across_joint\"?",
+            "it must be one of across_joint, to_ground; did you mean \"across_joint\"?",
         ),
         (
             ("noise_um = 10.0", "noise_um = \"much\""),
-            "arm.toml:32: invalid type: string \"much\", expected f64",
+            "arm.toml:32: tracker.noise_um = \"much\": it must be a number",
         ),
         (("[servo]", "[servo"), "arm.toml:21: "),
         (

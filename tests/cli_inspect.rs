@@ -202,7 +202,7 @@ fn bad_manifests_are_refused_with_line_and_key() {
         (
             "wrong type",
             MANIFEST.replace(unit, "unit = 3"),
-            &["recording.toml:8: ", "string"],
+            &["recording.toml:8: channel[1].unit = 3: it must be a text in quotes"],
         ),
         (
             "syntax",
@@ -264,7 +264,7 @@ fn bad_manifests_are_refused_with_line_and_key() {
         (
             "empty",
             String::new(),
-            &["recording.toml:1: missing field `name`"],
+            &["recording.toml:1: missing key `name`"],
         ),
     ];
     for (case, manifest, words) in cases {

@@ -106,12 +106,44 @@ fn a_configuration_is_refused_with_line_key_and_what_was_meant() {
         ),
         (
             "[tick]\nrate_hz = \"500\"\n",
-            ":2: invalid type: string \"500\", expected f64",
+            ":2: tick.rate_hz = \"500\": it must be a number",
         ),
         ("[[joint]]\nshaper = \"zv\"\n", "missing key `name`"),
         (
             "[tick]\nrate_hz = 5\n",
-            "tick.rate_hz = 5: it must be from 250 to 4000",
+            ":2: tick.rate_hz = 5: it must be from 250 to 4000",
+        ),
+        (
+            "[joint]\nname = \"a\"\n",
+            ":1: joint: it must be a list of tables, each headed [[joint]]",
+        ),
+        (
+            "[service]\nrobot = \"upd\"\n",
+            ":2: service.robot = \"upd\": it must be one of embedded, udp, zenoh; did you mean \"udp\"?",
+        ),
+        (
+            "[[joint]]\nname = \"a\"\n\ndamping_ratio = 2\n",
+            ":4: joint[1].damping_ratio = 2: it must be 0 or more, below 1",
+        ),
+        (
+            "[[joint]]\nname = \"a\"\nfrequency_hz = -1\n",
+            ":3: joint[1].frequency_hz = -1: it must be finite and above 0",
+        ),
+        (
+            "[[joint]]\nname = \"a\"\nencoder_resolution_deg = 90\n",
+            ":3: joint[1].encoder_resolution_deg = 90: it must be from 0 to 60",
+        ),
+        (
+            "[[joint]]\nname = \"a\"\njerk_deg_s3 = 0\n",
+            ":3: joint[1].jerk_deg_s3 = 0: it must be above 0 and at most 1e9",
+        ),
+        (
+            "[[joint]]\nname = \"a\"\ndamping_ratio=.05\n",
+            ":3: damping_ratio = .05: ",
+        ),
+        (
+            "[tick]\nrate_hz = 500\nrate_hz = 600\n",
+            ":3: rate_hz = 600: duplicate key",
         ),
     ];
     for (text, words) in cases {

@@ -3,6 +3,7 @@
 mod words;
 
 pub use words::nearest;
+pub(super) use words::shortened;
 
 use std::fmt;
 use std::path::{Path, PathBuf};

@@ -50,6 +50,7 @@ mod sink;
 mod stamp;
 mod syntax;
 mod table;
+mod toml_keys;
 mod unit;
 mod write;
 
@@ -60,12 +61,13 @@ pub use layout::Layout;
 pub use mcap::{Cut, Damage, Decoder, Encoder, Found, McapFile, McapWriter, Mended, Topic};
 pub use preferred::Preferred;
 pub use propose::{Proposal, Proposed, is_csv, propose};
-pub use role::{ROLES, Role, RoleEntry};
 pub use resolution::{to_nanosecond, to_resolution, to_scale};
+pub use role::{ROLES, Role, RoleEntry};
 pub use sink::Sink;
 pub use stamp::{Origin, TIME_UNITS, TimeUnit};
-pub use syntax::SyntaxError;
+pub use syntax::{SyntaxError, one_of};
 pub use table::Table;
+pub use toml_keys::toml_line;
 pub use unit::{Dimension, UNITS, Unit};
 
 use std::f64::consts::TAU;

@@ -9,6 +9,7 @@ use super::error::{Problem, RecordingError, from_io, nearest};
 use super::layout::Layout;
 use super::mcap::McapFile;
 use super::stamp::Origin;
+use super::syntax::SyntaxError;
 use super::table::Table;
 use super::{Channel, MANIFEST, Recording, foreign, propose};
 use serde::Deserialize;
@@ -238,7 +239,7 @@ impl Source<'_> {
                 nearest: nearest(text, KEYS.iter().copied()),
             }
         } else {
-            Problem::Toml(error.message().trim().replace('\n', "; "))
+            Problem::Toml(SyntaxError::of(self.text, error).reason)
         };
         self.at(span.start, problem)
     }

@@ -1,11 +1,11 @@
 //! One joint of the configuration, filled up from the robot's description.
 
-use quell_shapers::{Mode, SHAPERS, Shaper, shaper_by_name};
+use quell_shapers::{Mode, ModeError, Shaper, shaper_by_name};
 use quell_trajectories::Limits;
 
-use super::keys::JointKeys;
+use super::keys::{JointKeys, estimators, shapers};
 use super::{Check, ConfigError};
-use crate::estimators::{ESTIMATORS, EstimatorEntry, estimator};
+use crate::estimators::{EstimatorEntry, estimator};
 use crate::plant::{Robot, RobotJoint};
 use crate::service::following::healthy;
 use crate::signal::JointArc;
@@ -14,6 +14,8 @@ use crate::signal::JointArc;
 const RANGE: [f64; 2] = [-core::f64::consts::TAU, core::f64::consts::TAU];
 /// Default belief of a joint: typical of robot arms.
 pub(super) const BELIEF: (f64, f64) = (10.0, 0.05);
+/// Range of an encoder's step, deg.
+const COARSEST: [f64; 2] = [0.0, 60.0];
 /// Highest value of a limit, in degrees and seconds.
 const HIGHEST: f64 = 1e9;
 
@@ -98,9 +100,9 @@ pub(super) fn checked(
     }
     let described = &robot.joints[index];
     let sensor_rate = keys.sensor_rate_hz.unwrap_or(robot.tracker.rate);
-    let resolution = keys.encoder_resolution_deg.map(f64::to_radians);
-    let resolution = resolution.unwrap_or(robot.encoder.resolution);
-    let full_scale = keys.deformation_range_deg.map_or(f64::MAX, f64::to_radians);
+    let described_resolution = robot.encoder.resolution.to_degrees();
+    let resolution = keys.encoder_resolution_deg.unwrap_or(described_resolution);
+    let full_scale = keys.deformation_range_deg.unwrap_or(f64::MAX);
     let limits = limits(keys, at, described, check)?;
     let following = keys.following_error_deg.map(f64::to_radians);
     let following = following.unwrap_or_else(|| healthy(limits.acceleration));
@@ -118,29 +120,21 @@ pub(super) fn checked(
             .to_radians(),
         limits_assumed: false,
         belief: belief(keys, at, described, check)?,
-        shaper: shaper_by_name(&keys.shaper).ok_or_else(|| {
-            let names = SHAPERS.iter().map(|shaper| shaper.name());
-            check.refuse(&key("shaper"), &keys.shaper, one_of(names))
-        })?,
-        estimator: estimator(&keys.estimator).ok_or_else(|| {
-            let names = ESTIMATORS.iter().map(|entry| entry.name);
-            check.refuse(&key("estimator"), &keys.estimator, one_of(names))
-        })?,
+        shaper: shaper_by_name(&keys.shaper)
+            .ok_or_else(|| check.unknown(&key("shaper"), &keys.shaper, shapers()))?,
+        estimator: estimator(&keys.estimator)
+            .ok_or_else(|| check.unknown(&key("estimator"), &keys.estimator, estimators()))?,
         shaping: keys.shaping,
         adaptation: keys.adaptation,
         sensor_rate: check.within(&key("sensor_rate_hz"), sensor_rate, [1.0, 1e5])?,
-        encoder_resolution: check.within(&key("encoder_resolution_deg"), resolution, [0.0, 1.0])?,
-        deformation_range: check.within(
-            &key("deformation_range_deg"),
-            full_scale,
-            [f64::MIN_POSITIVE, f64::MAX],
-        )?,
+        encoder_resolution: check
+            .within(&key("encoder_resolution_deg"), resolution, COARSEST)?
+            .to_radians(),
+        deformation_range: check
+            .positive(&key("deformation_range_deg"), full_scale, f64::MAX)?
+            .to_radians(),
         arc: robot.arc(&robot.home(), index).ok(),
     })
-}
-
-fn one_of(names: impl Iterator<Item = &'static str>) -> String {
-    format!("one of {}", names.collect::<Vec<_>>().join(", "))
 }
 
 fn limits(
@@ -151,8 +145,7 @@ fn limits(
 ) -> Result<Limits, ConfigError> {
     let limit = |name: &str, given: Option<f64>, described: f64| -> Result<f64, ConfigError> {
         let value = given.unwrap_or(described.to_degrees());
-        let positive = [f64::MIN_POSITIVE, HIGHEST];
-        check.within(&format!("{at}.{name}"), value, positive)?;
+        check.positive(&format!("{at}.{name}"), value, HIGHEST)?;
         Ok(given.map_or(described, f64::to_radians))
     };
     let Limits {
@@ -184,7 +177,10 @@ fn belief(
     let frequency = keys.frequency_hz.unwrap_or(frequency);
     let damping = keys.damping_ratio.unwrap_or(damping);
     Mode::from_hertz(frequency, damping).map_err(|error| {
-        let key = format!("{at}.frequency_hz, {at}.damping_ratio");
-        check.refuse(&key, format!("{frequency}, {damping}"), error.to_string())
+        let (key, value, expected) = match error {
+            ModeError::NaturalFrequency(_) => ("frequency_hz", frequency, "finite and above 0"),
+            ModeError::DampingRatio(_) => ("damping_ratio", damping, "0 or more, below 1"),
+        };
+        check.refuse(&format!("{at}.{key}"), value, expected)
     })
 }

@@ -7,9 +7,11 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::recording::RecordingKeys;
-use super::{NatsConfig, ZenohConfig};
+use super::{NatsConfig, RobotKind, ZenohConfig};
+use crate::estimators::ESTIMATORS;
+use quell_shapers::SHAPERS;
 
-/// The whole file. Every key may be left out.
+/// The whole file. Every table may be left out.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Keys {
@@ -242,6 +244,21 @@ impl JointKeys {
 fn zvd() -> String {
     "zvd".into()
 }
+/// Names of the robots.
+pub fn robots() -> Vec<&'static str> {
+    RobotKind::ALL.iter().map(|kind| kind.name()).collect()
+}
+
+/// Names of the shapers.
+pub fn shapers() -> Vec<&'static str> {
+    SHAPERS.iter().map(|shaper| shaper.name()).collect()
+}
+
+/// Names of the estimators.
+pub fn estimators() -> Vec<&'static str> {
+    ESTIMATORS.iter().map(|entry| entry.name).collect()
+}
+
 
 fn likelihood() -> String {
     "likelihood".into()

@@ -1,5 +1,6 @@
 //! `quell.toml`, checked; the command line overrides it.
 
+mod check;
 mod joint;
 mod keys;
 mod listed;
@@ -14,6 +15,7 @@ use std::time::Duration;
 
 use thiserror::Error;
 
+use check::Check;
 pub use joint::JointConfig;
 use keys::{JointKeys, Keys};
 pub use listed::listed;
@@ -55,7 +57,7 @@ pub enum ConfigError {
     /// A value that is out of its range.
     #[error("{origin}: {key} = {value}: it must be {expected}")]
     Value {
-        /// The file, or that it is a default or an option.
+        /// The file with the key's line, or that it is a default or an option.
         origin: String,
         /// The key, as `joint[1].velocity_deg_s`, tables counted from 1.
         key: String,
@@ -170,7 +172,8 @@ impl Config {
     /// [`ConfigError`] with file, line or key, and value.
     pub fn load(file: Option<&Path>, overrides: &Overrides) -> Result<Self, ConfigError> {
         let Some(file) = file else {
-            return checked(Keys::default(), "defaults", Path::new(""), overrides);
+            let check = Check::of("defaults");
+            return checked(Keys::default(), check, Path::new(""), overrides);
         };
         let text = std::fs::read_to_string(file).map_err(|error| ConfigError::Unreadable {
             file: file.to_path_buf(),
@@ -181,17 +184,21 @@ impl Config {
             error: SyntaxError::of(&text, &error),
         })?;
         let folder = file.parent().unwrap_or(Path::new(""));
-        checked(keys, &file.display().to_string(), folder, overrides)
+        let origin = file.display().to_string();
+        let check = Check {
+            origin: &origin,
+            text: &text,
+        };
+        checked(keys, check, folder, overrides)
     }
 }
 
 fn checked(
     keys: Keys,
-    origin: &str,
+    check: Check,
     folder: &Path,
     overrides: &Overrides,
 ) -> Result<Config, ConfigError> {
-    let check = Check { origin };
     let robot = match overrides.robot {
         Some(robot) => robot,
         None => robot_kind(&keys.service.robot, &check)?,
@@ -202,11 +209,11 @@ fn checked(
     };
     // The description of the embedded arm does not give the geometry of another robot.
     let describes = robot == RobotKind::Embedded || keys.service.description.is_some();
-    let rate = overrides.rate.unwrap_or(keys.tick.rate_hz);
-    let rate = check.within("tick.rate_hz", rate, RATES)?;
+    let (at, rate) = check.over(overrides.rate, keys.tick.rate_hz);
+    let rate = at.within("tick.rate_hz", rate, RATES)?;
     let http = http(&keys, overrides, &check)?;
-    let udp = overrides.udp.unwrap_or(keys.udp.address);
-    let udp_key = udp::key(&keys.udp, udp, robot == RobotKind::Udp, &check)?;
+    let (at, udp) = check.over(overrides.udp, keys.udp.address);
+    let udp_key = udp::key(&keys.udp, (at, udp), robot == RobotKind::Udp, &check)?;
     let data = overrides.data.clone().unwrap_or(keys.service.data);
     let recording = keys.recording.checked(&data, &check)?;
     let limit = check.within(
@@ -250,21 +257,17 @@ fn checked(
 
 fn robot_kind(name: &str, check: &Check) -> Result<RobotKind, ConfigError> {
     let found = RobotKind::ALL.iter().find(|kind| kind.name() == name);
-    let expected = || {
-        let names: Vec<_> = RobotKind::ALL.iter().map(|kind| kind.name()).collect();
-        format!("one of {}", names.join(", "))
-    };
     found
         .copied()
-        .ok_or_else(|| check.refuse("service.robot", name, expected()))
+        .ok_or_else(|| check.unknown("service.robot", name, keys::robots()))
 }
 
 fn http(keys: &Keys, overrides: &Overrides, check: &Check) -> Result<HttpConfig, ConfigError> {
-    let address = overrides.http.unwrap_or(keys.http.address);
+    let (at, address) = check.over(overrides.http, keys.http.address);
     let token = keys.http.token.clone().filter(|token| !token.is_empty());
     if !address.ip().is_loopback() && token.is_none() {
         let expected = "loopback, or else a token (http.token) must be set";
-        return Err(check.refuse("http.address", address, expected));
+        return Err(at.refuse("http.address", address, expected));
     }
     let (connections, body) = (keys.http.max_connections, keys.http.max_body_bytes);
     check.within("http.max_connections", connections as f64, [1.0, 1e4])?;
@@ -331,32 +334,4 @@ fn wrong_belief(description: &Robot) -> f64 {
     let joint = description.joints.get(description.default_move.joint);
     let mode = joint.and_then(|joint| joint.modes.first());
     1.25 * mode.map_or(joint::BELIEF.0, |entry| entry.mode.hertz())
-}
-
-/// Checks values; `origin` names the file in errors.
-struct Check<'a> {
-    origin: &'a str,
-}
-
-impl Check<'_> {
-    fn refuse(
-        &self,
-        key: &str,
-        value: impl std::fmt::Display,
-        expected: impl Into<String>,
-    ) -> ConfigError {
-        ConfigError::Value {
-            origin: self.origin.to_owned(),
-            key: key.to_owned(),
-            value: value.to_string(),
-            expected: expected.into(),
-        }
-    }
-
-    fn within(&self, key: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, ConfigError> {
-        match (low..=high).contains(&value) {
-            true => Ok(value),
-            false => Err(self.refuse(key, value, format!("from {low} to {high}"))),
-        }
-    }
 }

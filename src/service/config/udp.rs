@@ -9,14 +9,14 @@ use crate::service::signature::Key;
 /// The shortest key of datagrams, characters: 128 bits where they are random bytes.
 const SHORTEST_KEY: usize = 16;
 
-/// The key of a link that listens at `address`, if it is `used`.
+/// The key of a link that listens at an address, which is from `at`, if it is `used`.
 ///
 /// # Errors
 /// [`ConfigError`] for a key that is too short, and for a missing key where other machines reach the address:
 /// any datagram could then pass for one of the robot's.
 pub fn key(
     keys: &UdpKeys,
-    address: SocketAddr,
+    (at, address): (Check, SocketAddr),
     used: bool,
     check: &Check,
 ) -> Result<Option<Key>, ConfigError> {
@@ -26,7 +26,7 @@ pub fn key(
             let expected = "loopback, or else datagrams must be signed: set udp.key, on the robot as well \
                  (`openssl rand -hex 32` makes one). On a network that nobody else reaches, \
                  udp.allow_unsigned = true goes without";
-            return Err(check.refuse("udp.address", address, expected));
+            return Err(at.refuse("udp.address", address, expected));
         }
         return Ok(None);
     };

@@ -18,6 +18,11 @@ pub(super) fn quoted(text: &str) -> String {
     }
 }
 
+/// A value as it is written, of one line, shortened if it is long.
+pub fn shortened(text: &str) -> String {
+    cut(text.lines().next().unwrap_or_default())
+}
+
 /// The names of the columns; a header of numbers has none.
 pub(super) fn columns(present: &[String]) -> String {
     let is_number = |name: &String| name.replace(',', ".").parse::<f64>().is_ok();

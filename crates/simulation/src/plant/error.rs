@@ -26,10 +26,12 @@ pub enum RobotError {
         error: SyntaxError,
     },
     /// A value that is out of its range.
-    #[error("{}: {key} = {value}: {expected}", file.display())]
+    #[error("{}{}: {key} = {value}: {expected}", file.display(), at(*.line))]
     Value {
         /// The file.
         file: PathBuf,
+        /// Line of the key, counted from 1; none where the file does not have it.
+        line: Option<usize>,
         /// The key, as `joint[1].mode[1].damping_ratio`, tables counted from 1.
         key: String,
         /// The value as given.
@@ -45,6 +47,11 @@ pub enum RobotError {
         /// Why.
         reason: SignalError,
     },
+}
+
+/// A line behind the name of a file.
+fn at(line: Option<usize>) -> String {
+    line.map_or_else(String::new, |line| format!(":{line}"))
 }
 
 /// Why a simulation cannot be set up or changed.

@@ -52,7 +52,7 @@ fn parse(text: &str, file: &Path) -> Result<Robot, RobotError> {
         file: file.to_path_buf(),
         error: SyntaxError::of(text, &error),
     })?;
-    let check = Check { file };
+    let check = Check { file, text };
     let (chain, bodies) = kinematics::kinematics(&keys, &check)?;
     let mut joints = Vec::new();
     for (index, (joint, entry)) in keys.joint.iter().zip(chain.joints()).enumerate() {

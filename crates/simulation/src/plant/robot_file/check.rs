@@ -5,13 +5,15 @@ use std::path::Path;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::plant::RobotError;
+use quell_recording::toml_line;
 
 /// Highest rate of a controller, sensor or mode, Hz, so that a simulation ends.
 const HIGHEST_RATE: f64 = 1e6;
 
-/// Checks values; `file` names the description in errors.
+/// Checks values; `file` and the line in `text` are in errors.
 pub struct Check<'a> {
     pub file: &'a Path,
+    pub text: &'a str,
 }
 
 impl Check<'_> {
@@ -24,6 +26,7 @@ impl Check<'_> {
         let value = value.to_string();
         RobotError::Value {
             file: self.file.to_path_buf(),
+            line: toml_line(self.text, key),
             key: key.to_string(),
             value,
             expected,
