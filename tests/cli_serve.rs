@@ -40,6 +40,35 @@ fn the_printed_configuration_is_one_and_changes_nothing() {
     }
 }
 
+/// A list of values that is printed is the one that is taken, and what is said to be needed is needed.
+#[test]
+fn the_printed_names_are_those_that_are_taken() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = listed();
+    assert!(
+        text.contains("(needed in each [[joint]])\n# name ="),
+        "{text}"
+    );
+    for (table, key, head) in [
+        ("[service]", "robot", "[service]\n"),
+        ("[[joint]]", "shaper", "[[joint]]\nname = \"a\"\n"),
+        ("[[joint]]", "estimator", "[[joint]]\nname = \"a\"\n"),
+    ] {
+        let (_, keys) = text.split_once(&format!("{table}\n")).expect("the table");
+        let lines: Vec<_> = keys
+            .lines()
+            .map(|line| line.trim_start_matches("# "))
+            .collect();
+        let own = |pair: &&[&str]| pair[1].starts_with(&format!("{key} ="));
+        let pair = lines.windows(2).find(own).expect("the key");
+        let (_, names) = pair[0].split_once("One of ").expect("a list");
+        for name in names.trim_end_matches('.').split(", ") {
+            let taken = load(folder.path(), &format!("{head}{key} = {name:?}\n"));
+            assert_eq!(taken.err(), None, "{key} = {name}");
+        }
+    }
+}
+
 /// A range that is printed is the one that is checked: its ends are taken, and what is beyond is refused.
 #[test]
 fn the_printed_ranges_are_those_that_are_checked() {

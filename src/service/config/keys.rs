@@ -32,7 +32,8 @@ pub struct Keys {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ServiceKeys {
-    /// Which robot: `embedded`, `udp` or `zenoh`.
+    /// Which robot.
+    #[schemars(extend("enum" = robots()))]
     pub robot: String,
     /// Description of the robot, TOML as for `quell move --robot`; the embedded arm where absent.
     pub description: Option<PathBuf>,
@@ -197,9 +198,11 @@ pub struct JointKeys {
     pub damping_ratio: Option<f64>,
     /// Shaper.
     #[serde(default = "zvd")]
+    #[schemars(extend("enum" = shapers()))]
     pub shaper: String,
     /// Estimator.
     #[serde(default = "likelihood")]
+    #[schemars(extend("enum" = estimators()))]
     pub estimator: String,
     /// Whether plans are shaped.
     #[serde(default = "yes")]
@@ -241,9 +244,6 @@ impl JointKeys {
     }
 }
 
-fn zvd() -> String {
-    "zvd".into()
-}
 /// Names of the robots.
 pub fn robots() -> Vec<&'static str> {
     RobotKind::ALL.iter().map(|kind| kind.name()).collect()
@@ -259,6 +259,9 @@ pub fn estimators() -> Vec<&'static str> {
     ESTIMATORS.iter().map(|entry| entry.name).collect()
 }
 
+fn zvd() -> String {
+    "zvd".into()
+}
 
 fn likelihood() -> String {
     "likelihood".into()

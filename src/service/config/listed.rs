@@ -26,13 +26,14 @@ pub fn listed() -> String {
     let settings = SchemaSettings::draft2020_12();
     let inline = settings.with(|settings| settings.inline_subschemas = true);
     let schema = inline.into_generator().into_root_schema_for::<Keys>();
-    let mut text =
-        String::from("# Every key of quell.toml. A key that is a comment has no default.\n");
+    let mut text = String::from(
+        "# Every key of quell.toml. A key that is a comment has no default; every table may be left out.\n",
+    );
     let tables = schema.get("properties").and_then(Value::as_object);
     for (name, table) in tables.into_iter().flatten() {
-        let (header, inner) = match table.get("items") {
-            Some(items) => (format!("[[{name}]]"), items),
-            None => (format!("[{name}]"), some(table)),
+        let (each, header, inner) = match table.get("items") {
+            Some(items) => ("each ", format!("[[{name}]]"), items),
+            None => ("", format!("[{name}]"), some(table)),
         };
         // A table with required keys is absent by default.
         let absent = inner.get("required").is_some();
@@ -40,7 +41,12 @@ pub fn listed() -> String {
         let _ = write!(text, "\n{}\n{before}{header}\n", sentence(inner));
         let keys = inner.get("properties").and_then(Value::as_object);
         for (key, value) in keys.into_iter().flatten() {
-            let _ = write!(text, "{}{}", sentence(value), bounds(key, value));
+            let needed = match is_required(inner, key) {
+                true => format!(" (needed in {each}{header})"),
+                false => String::new(),
+            };
+            let (what, bounds) = (sentence(value), bounds(key, value));
+            let _ = write!(text, "{what}{needed}{}{bounds}", names(value));
             let default = value.get("default").filter(|default| !default.is_null());
             let _ = match default {
                 Some(default) => write!(text, "\n{before}{key} = {default}\n"),
@@ -63,6 +69,26 @@ fn sentence(schema: &Value) -> String {
     let words = schema.get("description").and_then(Value::as_str);
     let words: Vec<_> = words.unwrap_or_default().split_whitespace().collect();
     format!("# {}", words.join(" "))
+}
+
+/// Whether a table must have a key.
+fn is_required(table: &Value, key: &str) -> bool {
+    let required = table.get("required").and_then(Value::as_array);
+    required.is_some_and(|keys| keys.iter().any(|required| required == key))
+}
+
+/// The values of a key, if there is a list of them.
+fn names(schema: &Value) -> String {
+    let names = schema.get("enum").and_then(Value::as_array);
+    let names: Vec<_> = names
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_str)
+        .collect();
+    match names.is_empty() {
+        true => String::new(),
+        false => format!(" One of {}.", names.join(", ")),
+    }
 }
 
 /// Unit and range of a key, if it has them.

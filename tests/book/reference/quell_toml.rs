@@ -7,7 +7,8 @@ pub fn page() -> String {
     let text = listed();
     let mut parts = text.split("\n\n").skip(1);
     let mut page = String::from(
-        "# The configuration `quell.toml`\n\n`quell serve --config quell.toml` reads it. Every key may be left out. \
+        "# The configuration `quell.toml`\n\n`quell serve --config quell.toml` reads it. Every table may be left out, and every key that is not said \
+         to be needed. \
          `quell serve --print-config` prints this list: a value that stands here is the default; a key without a \
          value has none.\n\n",
     );
