@@ -125,7 +125,7 @@ fn each_verb_ends_with_the_next_command_and_that_command_runs() {
             "quell simulate --out s",
             "quell identify s/recording.toml --model s/model.toml --out s",
         ),
-        ("quell inspect s", "quell identify s"),
+        ("quell inspect s", "quell identify s --model s/model.toml"),
         (
             "quell score out/model.toml s",
             "quell diagnose --model out/model.toml s",

@@ -12,7 +12,7 @@ mod registrations;
 mod several;
 mod words;
 
-pub use alone::can;
+pub use alone::{can, needs_model};
 pub use identified::Identified;
 
 use super::out::{Force, Out};
@@ -77,7 +77,7 @@ pub struct Args {
 /// Name of the report.
 const REPORT: &str = "identify.html";
 /// Name of the model beside it.
-const MODEL: &str = "model.toml";
+pub const MODEL: &str = "model.toml";
 /// Name of the model if the folder has a model.toml that this verb did not write.
 const IDENTIFIED: &str = "identified.toml";
 

@@ -11,7 +11,7 @@ use crate::recording::{
     Channel, MANIFEST, McapFile, Recording, is_csv, mcap_and_joint, plain as short,
 };
 use serde_json::{Value, json};
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// Tells what a recording holds, and what looks wrong with it; proposes the manifest of a CSV or Parquet file.
@@ -59,23 +59,30 @@ pub fn run(args: Args) -> Result<(), CliError> {
     if args.json {
         output::json(&document(&recording, &figures))
     } else {
-        let next = next::command(follows(&recording, args.recording.as_os_str()));
+        let next = next::command(follows(&recording, &args.recording));
         output::text(&format!("{}\n{next}", page(&recording, &figures)))
     }
 }
 
 /// The next command for a recording of this path: to identify its mode if the recording allows it; otherwise to
-/// diagnose a model with it.
-fn follows<'a>(recording: &Recording, path: &'a OsStr) -> Vec<&'a OsStr> {
-    match identify::can(recording) {
-        true => vec!["identify".as_ref(), path],
-        false => vec![
-            "diagnose".as_ref(),
-            "--model".as_ref(),
-            "MODEL.toml".as_ref(),
-            path,
-        ],
-    }
+/// diagnose a model with it. The model is the one in the recording's folder, where there is one.
+fn follows(recording: &Recording, path: &Path) -> Vec<OsString> {
+    let folder = if path.is_dir() {
+        Some(path)
+    } else {
+        path.parent()
+    };
+    let beside = folder.map(|folder| folder.join(identify::MODEL));
+    let beside = beside.filter(|model| model.is_file());
+    let model = beside.unwrap_or_else(|| "MODEL.toml".into());
+    let (path, model) = (path.as_os_str(), model.as_os_str());
+    let [identify, diagnose, option] = ["identify", "diagnose", "--model"].map(OsStr::new);
+    let words = match (identify::can(recording), identify::needs_model(recording)) {
+        (true, false) => vec![identify, path],
+        (true, true) => vec![identify, path, option, model],
+        (false, _) => vec![diagnose, option, model, path],
+    };
+    words.into_iter().map(OsStr::to_owned).collect()
 }
 
 /// The manifests proposed for CSV files, with the content of the first.
@@ -86,8 +93,8 @@ fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
     };
     let read = Recording::from_path(manifest);
     let words = match &read {
-        Ok(recording) => follows(recording, manifest.as_os_str()),
-        Err(_) => vec!["inspect".as_ref(), manifest.as_os_str()],
+        Ok(recording) => follows(recording, manifest),
+        Err(_) => vec!["inspect".into(), manifest.as_os_str().to_owned()],
     };
     let next = match written.open.is_empty() {
         true => next::command(words),
@@ -123,10 +130,10 @@ fn mcap((path, file): (&Path, &McapFile), joint: Option<&str>, json: bool) -> Re
     if let Some(name) = joint.or(joints.first().map(String::as_str)) {
         one.push(format!("#{name}"));
     }
-    let mut words = vec!["identify".as_ref(), one.as_os_str()];
+    let mut words = vec!["identify".into(), one.clone()];
     if joint.is_some() || joints.len() == 1 {
         let recording = file.recording(joint)?;
-        words = follows(&recording, &one);
+        words = follows(&recording, Path::new(&one));
         let figures: Vec<Health> = recording.channels.iter().map(health).collect();
         text.push_str(&page(&recording, &figures));
         if let Value::Object(keys) = document(&recording, &figures) {

@@ -253,3 +253,21 @@ fn bad_input_is_refused() {
         assert!(told, "{arguments:?}: no {words:?} in {stderr}");
     }
 }
+
+/// The command that `quell inspect` proposes for the folder identifies the mode, with the model beside it.
+#[test]
+fn what_inspect_proposes_for_a_simulated_folder_runs() {
+    let folder = TempDir::new().unwrap();
+    let arguments = ["simulate", "--out", "sim"];
+    quell(folder.path(), &arguments).assert().success();
+    let assert = quell(folder.path(), &["inspect", "sim"]).assert().success();
+    let said = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+    let next = said.lines().last().unwrap_or_default();
+    assert_eq!(next, "Next: quell identify sim --model sim/model.toml");
+    let words: Vec<_> = next.split(' ').skip(2).collect();
+    quell(folder.path(), &words).assert().success();
+    // Without the model the error says what is needed.
+    let assert = quell(folder.path(), &["identify", "sim"]).assert().code(2);
+    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    assert!(said.contains("--model FILE"), "{said}");
+}

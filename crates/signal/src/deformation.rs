@@ -156,7 +156,9 @@ pub fn recorded_deformation(
     let channel = recording
         .channel(Role::TipPosition)
         .ok_or_else(|| missing("deformation, link_position or tip_position"))?;
-    let arc = arc.ok_or_else(|| missing("link_position (tip_position needs a lever arm)"))?;
+    let arc = arc.ok_or_else(|| {
+        missing("link_position; tip_position alone takes a model with lever_arm_m (--model FILE)")
+    })?;
     let tip = points(channel, &missing)?;
     let registration = registration.register(arc, &motor, &channel.time, &tip, belief)?;
     let samples = tip_deformation(arc, &registration, &motor, &channel.time, &tip);

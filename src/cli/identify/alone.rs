@@ -63,6 +63,15 @@ pub fn can(recording: &Recording) -> bool {
     is_alone(recording) || (has(Role::MotorPosition) && told.into_iter().any(has))
 }
 
+/// Whether `quell identify` needs a model for the recording: its lever arm makes an angle of what is in metres.
+pub fn needs_model(recording: &Recording) -> bool {
+    let is_angle = match recording.channel(Role::Deformation) {
+        Some(channel) => channel.unit != "m",
+        None => recording.channel(Role::LinkPosition).is_some(),
+    };
+    !is_alone(recording) && !is_angle
+}
+
 impl Alone {
     /// Identifies a recording from this file.
     ///
