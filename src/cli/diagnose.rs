@@ -154,29 +154,30 @@ pub fn run(args: Args) -> Result<(), CliError> {
     }
     let case = Case::new(&outcome.diagnosis, &outcome.traces);
     let next = next_command(&args, &outcome.diagnosis);
-    output::text(&format!("{}\n{next}", text(&case, &files)))?;
+    let next = next.map_or_else(String::new, |next| format!("\n{next}"));
+    output::text(&format!("{}{next}", text(&case, &files)))?;
     told(&outcome.diagnosis)
 }
 
-/// The next command. It diagnoses again with the recording that the diagnosis proposes, if it proposes one;
-/// otherwise it scores the written model on another recording.
-fn next_command(args: &Args, diagnosis: &Diagnosis) -> String {
-    if diagnosis.next_move.is_none() {
+/// The next command. It diagnoses again with the recording that the diagnosis proposes, if it proposes one. Where
+/// no motion would decide there is none: the text says what to change. Otherwise it scores the written model on
+/// another recording.
+fn next_command(args: &Args, diagnosis: &Diagnosis) -> Option<String> {
+    let Some(proposed) = &diagnosis.next_move else {
         let model = args.out.join(FILES[2]);
-        return next::command([
+        return Some(next::command([
             "score".as_ref(),
             model.as_path(),
             "ANOTHER_RECORDING".as_ref(),
-        ]);
+        ]));
+    };
+    if proposed.moves.is_empty() {
+        return None;
     }
     let words = [Path::new("diagnose"), Path::new("--model"), args.model()];
     let recordings = args.recordings.iter().map(PathBuf::as_path);
-    next::then(
-        words
-            .into_iter()
-            .chain(recordings)
-            .chain([Path::new("NEW_RECORDING")]),
-    )
+    let words = words.into_iter().chain(recordings);
+    Some(next::then(words.chain([Path::new("NEW_RECORDING")])))
 }
 
 /// Refuses a recording without a statement on the model: a script must not take it for a healthy model.

@@ -55,21 +55,27 @@ pub fn set(page: Page, case: &Case) -> Page {
     ))
 }
 
-/// The possible effects of a finding, the likeliest first.
-fn one_of_them(case: &Case, finding: &Finding) -> Table {
+/// The possible effects of a finding with their probabilities, the likeliest first.
+pub fn possible<'f>(case: &Case, finding: &'f Finding) -> Vec<(&'f String, f64)> {
     let probability = |effect: &String| -> f64 {
         let candidates = case.diagnosis.candidates.iter();
         let own = candidates.filter(|own| own.effect.split(" + ").any(|name| name == effect));
         own.map(|own| own.probability).sum()
     };
     let names = std::iter::once(&finding.effect).chain(&finding.alternatives);
-    let mut all: Vec<(&String, f64)> = names.map(|name| (name, probability(name))).collect();
+    let mut all: Vec<_> = names.map(|name| (name, probability(name))).collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
+    all
+}
+
+/// The possible effects of a finding as a table.
+fn one_of_them(case: &Case, finding: &Finding) -> Table {
     let table = Table::new("What it may be")
         .text_column("explanation")
         .column("probability", "%")
         .text_column("what it is");
-    let table = all.into_iter().fold(table, |table, (name, probability)| {
+    let all = possible(case, finding).into_iter();
+    let table = all.fold(table, |table, (name, probability)| {
         let physics = case.physics(name).unwrap_or_default();
         table.row([
             words::capital(&case.title(name)).into(),

@@ -110,3 +110,30 @@ fn a_named_law_has_a_picture_and_its_numbers() {
     let page = with(&finding, |case| page_of(case, "m", &[]).render());
     assert!(!page.contains("spring force over the deformation"));
 }
+
+#[test]
+fn the_text_marks_what_is_uncertain_and_says_how_likely_each_is() {
+    let mut finding = finding("[]");
+    finding.effect = "cubic_stiffness".into();
+    finding.curve = None;
+    finding.parameters[0].name = "k3".into();
+    let sure = with(&finding, |case| text(case, &[]));
+    assert!(
+        !sure.contains("perhaps") && !sure.contains("what it may be"),
+        "{sure}"
+    );
+    // The candidate of the fixture is an alternative, with its probability.
+    finding.alternatives = vec!["learned_spring".into()];
+    let words = with(&finding, |case| text(case, &[]));
+    let table = words.find("what it may be").expect("a table");
+    let line = |name: &str| words[table..].lines().find(|line| line.starts_with(name));
+    assert!(words.contains("perhaps cubic stiffness"), "{words}");
+    assert!(
+        line("learned spring").is_some_and(|line| line.ends_with("> 99 %")),
+        "{words}"
+    );
+    assert!(
+        line("cubic stiffness").is_some_and(|line| line.ends_with("< 1 %")),
+        "{words}"
+    );
+}

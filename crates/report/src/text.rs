@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::case::Case;
 use super::score::score_line;
-use super::{happened, head, law, next, words};
+use super::{findings, happened, head, law, next, words};
 use quell_diagnosis::{Finding, Fit, NextMove, Verdict};
 use quell_page::{columns, number};
 
@@ -13,6 +13,7 @@ pub fn text(case: &Case, files: &[PathBuf]) -> String {
     let diagnosis = case.diagnosis;
     let mut parts = vec![format!("{}\n", diagnosis.summary)];
     parts.push(parameters(case));
+    parts.push(explanations(case));
     if diagnosis.verdict != Verdict::NotExcited {
         parts.push(fit(case));
     }
@@ -55,7 +56,7 @@ fn parameters(case: &Case) -> String {
         .map(|(finding, parameter)| {
             let shown = case.shown(&finding.effect, parameter);
             [
-                case.title(&finding.effect),
+                case.told(finding),
                 finding.place.clone(),
                 case.parameter(finding, &parameter.name),
                 shown.quoted(parameter.value, parameter.ci95),
@@ -78,6 +79,28 @@ fn parameters(case: &Case) -> String {
             rows,
         ),
     }
+}
+
+/// What the uncertain findings may be, a table each.
+fn explanations(case: &Case) -> String {
+    let findings = case.diagnosis.findings.iter();
+    let tables = findings.map(|finding| possible(case, finding));
+    let tables: Vec<_> = tables.filter(|table| !table.is_empty()).collect();
+    tables.join("\n")
+}
+
+/// What an uncertain finding may be, with the probabilities; nothing for a certain one.
+fn possible(case: &Case, finding: &Finding) -> String {
+    if finding.is_certain() {
+        return String::new();
+    }
+    let named = findings::possible(case, finding).into_iter();
+    let named = named.map(|(name, probability)| (case.title(name), probability));
+    let absent = case.diagnosis.may_be_absent(finding);
+    let nothing = absent.then(|| case.diagnosis.probability_without(finding));
+    let rows = named.chain(nothing.map(|probability| ("nothing".into(), probability)));
+    let rows = rows.map(|(name, probability)| [name, format!("{} %", words::percent(probability))]);
+    columns(["what it may be", "probability"], rows)
 }
 
 fn fit(case: &Case) -> String {
