@@ -66,10 +66,17 @@ fn the_manual_has_a_page_for_each_verb_that_is_built_in() {
         page.contains(".TH quell 1") && page.contains("Exit codes"),
         "{page}"
     );
+    for words in ["ENVIRONMENT", "NO_COLOR", "QUELL_LOG"] {
+        assert!(page.contains(words), "{words} in {page}");
+    }
+    // No page is referred to that is not written.
+    assert!(!page.contains("help(1)"), "{page}");
     quell(folder.path(), &["man", "--out", "man1"])
         .assert()
         .success()
         .stdout("");
+    let main = std::fs::read_to_string(folder.path().join("man1/quell.1")).unwrap();
+    assert_eq!(main, page);
     for verb in ["move", "diagnose", "doctor"] {
         assert!(
             folder.path().join(format!("man1/quell-{verb}.1")).exists(),
@@ -91,8 +98,19 @@ fn verbs_that_are_not_built_in_are_not_listed_and_say_how_to_build_them() {
         if !listed {
             let told = refused(folder.path(), &[verb, "--queue", "nats://127.0.0.1:1"]);
             assert!(told.contains("--features nats"), "{told}");
+            let help = quell(folder.path(), &[verb, "--help"]).assert().success();
+            let help = String::from_utf8_lossy(&help.get_output().stdout).into_owned();
+            assert!(
+                help.starts_with("This program is built without NATS"),
+                "{help}"
+            );
         }
     }
+    let assert = quell(folder.path(), &["diagnose", "--help"])
+        .assert()
+        .success();
+    let help = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+    assert_eq!(help.contains("--queue"), cfg!(feature = "nats"), "{help}");
 }
 
 /// The last line of a verb that begins so, as it is typed.

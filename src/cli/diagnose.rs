@@ -15,7 +15,7 @@ use crate::effects::Catalogue;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::report::{Case, page, text};
-use help::HELP;
+use help::help;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -29,7 +29,7 @@ const STEPS: f64 = 1000.0;
 /// Says what physics a model lacks, from recordings: names it, puts it into the model, and shows
 /// the fit before and after.
 #[derive(Debug, clap::Args)]
-#[command(after_help = HELP, after_long_help = long_help(Catalogue::default()))]
+#[command(after_help = help(), after_long_help = long_help(Catalogue::default()))]
 pub struct Args {
     /// The model that is believed in. With --robot also a folder with JOINT.toml for some of the joints.
     #[arg(long, value_name = "FILE", required_unless_present = "robot")]
@@ -59,8 +59,8 @@ pub struct Args {
     /// Diagnoses each recording by itself, as many at once as there are cores.
     #[arg(long, conflicts_with = "held_out")]
     pub batch: bool,
-    /// Puts the recordings behind the word `submit` into the queue at this address.
-    #[arg(long, value_name = "URL", conflicts_with_all = ["batch", "held_out", "jobs", "out"])]
+    /// Puts the recordings behind the word `submit` into the queue at this address; needs the feature `nats`.
+    #[arg(long, hide = cfg!(not(feature = "nats")), value_name = "URL", conflicts_with_all = ["batch", "held_out", "jobs", "out"])]
     pub queue: Option<String>,
     /// Only the I-th of N shares of a batch, as in an array of jobs.
     #[arg(long, value_name = "I/N")]

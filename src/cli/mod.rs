@@ -72,6 +72,23 @@ struct Cli {
     verb: Verb,
 }
 
+/// What the environment says, for the manual and the book: each variable and what it does.
+pub const ENVIRONMENT: [[&str; 2]; 2] = [
+    [
+        "NO_COLOR",
+        "set and not empty: no colours. There are none either where the output is no terminal",
+    ],
+    [
+        "QUELL_LOG",
+        "a filter of the log, as `quell=debug`, instead of `-v`",
+    ],
+];
+
+/// What the help of a verb that needs NATS opens with in a program without it.
+#[cfg(not(feature = "nats"))]
+const NO_NATS: &str = "This program is built without NATS, which this verb needs. Build it with:\n  \
+                       cargo build --release --features nats";
+
 /// The verbs of `quell`.
 #[derive(Subcommand)]
 enum Verb {
@@ -84,14 +101,14 @@ enum Verb {
     Man(man::Args),
     Move(moves::Args),
     Prove(prove::Args),
-    #[command(hide = cfg!(not(feature = "nats")))]
+    #[cfg_attr(not(feature = "nats"), command(hide = true, before_help = NO_NATS))]
     Results(results::Args),
     Score(score::Args),
     #[command(hide = cfg!(not(feature = "serve")))]
     Serve(serve::Args),
     Shape(shape::Args),
     Simulate(simulate::Args),
-    #[command(hide = cfg!(not(feature = "nats")))]
+    #[cfg_attr(not(feature = "nats"), command(hide = true, before_help = NO_NATS))]
     Work(work::Args),
 }
 

@@ -5,8 +5,8 @@ use crate::effects::{Catalogue, LEARNED};
 /// Number of columns of a line.
 const WIDTH: usize = 100;
 
-/// Examples and verdicts.
-pub const HELP: &str = "\
+/// Examples.
+const EXAMPLES: &str = "\
 Examples:
   quell diagnose --model model.toml arm7
   quell diagnose --model model.toml monday tuesday --held-out friday --out friday-report
@@ -14,8 +14,22 @@ Examples:
   quell diagnose --robot arm.urdf six_axes --out arm-report
   quell diagnose --robot arm.urdf --model models six_axes
   quell diagnose --batch --model model.toml fleet --out out
-  quell diagnose --queue nats://host:4222 submit --model model.toml fleet
+";
 
+/// What the help says of a queue, in a program that has one: an example and its meaning.
+const QUEUE: [&str; 2] = match cfg!(feature = "nats") {
+    true => [
+        "  quell diagnose --queue nats://host:4222 submit --model model.toml fleet\n",
+        "\
+With --queue they are only put in: `quell work` does them, `quell results` shows what came out.
+
+",
+    ],
+    false => ["", ""],
+};
+
+/// Model and recordings.
+const INPUT: &str = "
 The model says what is believed, such as
   kind = \"flexible_joint\"
   natural_frequency_hz = 8.2
@@ -29,18 +43,27 @@ With --robot each channel names its joint, and every joint is diagnosed: with gr
 the other joints and its own inertia as the description says them. What the robot carries and which
 joints are coupled beside the description is looked for first, where torques were measured.
 
-With --batch or --queue each recording is diagnosed by itself, and a folder stands for the
-recordings below it; what has its result already is not done again. --queue only puts them in:
-`quell work` does them, `quell results` shows what came out.
+With --batch each recording is diagnosed by itself, and a folder stands for the recordings below it;
+what has its result already is not done again.
 
+";
+
+/// Verdicts and what is written.
+const OUTPUT: &str = "\
 Verdicts: no_mismatch, named, ambiguous (several explanations fit alike),
 partly_explained, unexplained, not_excited (the recording cannot contradict the model: the exit code
 is 2, and what to record is told). The folder of --out gets report.html, diagnosis.json and
 model.toml with the physics in it, which `quell simulate` and `quell score` run.";
 
+/// Examples and verdicts.
+pub fn help() -> String {
+    let [example, meaning] = QUEUE;
+    [EXAMPLES, example, INPUT, meaning, OUTPUT].concat()
+}
+
 /// The same, and the effects of a catalogue at each place.
 pub fn long_help(catalogue: Catalogue) -> String {
-    let mut help = format!("{HELP}\n\nThe catalogue:\n");
+    let mut help = help() + "\n\nThe catalogue:\n";
     list(&mut help, catalogue);
     help += "\nLaws of learned shape, which the model may have:\n";
     list(&mut help, Catalogue(LEARNED));

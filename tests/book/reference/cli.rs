@@ -2,7 +2,7 @@
 
 use super::table;
 use clap::Command;
-use quell::cli::{CliError, command};
+use quell::cli::{CliError, ENVIRONMENT, command};
 
 /// Verbs that are not in every build, and the feature that builds them.
 const OPTIONAL: [(&str, &str); 3] = [("results", "nats"), ("serve", "serve"), ("work", "nats")];
@@ -45,7 +45,10 @@ fn section(verb: &Command) -> String {
     let needs = needs.map_or(String::new(), |(_, feature)| {
         format!("Needs the feature `{feature}`: `cargo build --release --features {feature}`.\n\n")
     });
-    let help = verb.clone().render_long_help().to_string();
+    // The book is of every feature, built in or not.
+    let all = verb.clone().mut_args(|argument| argument.hide(false));
+    let all = all.before_help(None::<&str>);
+    let help = { all }.render_long_help().to_string();
     let lines: Vec<_> = help.lines().map(str::trim_end).collect();
     let help = lines.join("\n");
     format!(
@@ -55,15 +58,5 @@ fn section(verb: &Command) -> String {
 }
 
 fn environment() -> [[String; 2]; 2] {
-    [
-        [
-            "`NO_COLOR`",
-            "set and not empty: no colours. There are none either where the output is no terminal",
-        ],
-        [
-            "`QUELL_LOG`",
-            "a filter of the log, as `quell=debug`, instead of `-v`",
-        ],
-    ]
-    .map(|row| row.map(str::to_string))
+    ENVIRONMENT.map(|[name, what]| [format!("`{name}`"), what.to_string()])
 }
