@@ -6,6 +6,8 @@
   const colour = (name) => getComputedStyle(root).getPropertyValue("--" + name).trim();
   const family = () => getComputedStyle(document.body).fontFamily;
   const DASHES = [[], [8, 4], [2, 3]];
+  // The same as styles of a border.
+  const BORDERS = ["solid", "dashed", "dotted"];
 
   // As many digits as tell neighbours on an axis apart; powers of ten where they are shorter.
   function tidy(value, digits) {
@@ -226,6 +228,7 @@
       if (s.kind === "broad") Object.assign(one, { width: 6, stroke: () => stroke(s) + "90" });
       if (s.kind === "points") Object.assign(one, { paths: () => null, points: { show: true, size: s.x.length > 400 ? 3 : 6, fill: stroke(s) } });
       if (chart.kind === "stems") one.paths = () => null;
+      if (!["points", "band"].includes(s.kind) && chart.kind !== "stems") one.class = "line";
       if (s.kind === "band") {
         Object.assign(one, { width: 0, band: true });
         bands.push({ series: [made.length, made.length + 1], fill: stroke(s) + "33" });
@@ -253,7 +256,7 @@
       series: made, bands, hooks,
       cursor: { focus: { prox: 24 }, sync: shared(chart), drag: { setScale: true, x: true, y: false } },
       focus: { alpha: 0.35 },
-      legend: { markers: { width: 0, fill: (u, i) => legendFill(made, i) } },
+      legend: { markers: markers(made) },
     }, data, host);
   }
 
@@ -264,9 +267,15 @@
     return { key, scales: ["x", null], setSeries: false, filters: { pub } };
   }
 
-  // A band has no line: its legend shows the wash.
-  function legendFill(made, index) {
-    return made[index].stroke() + (made[index].band ? "55" : "");
+  // The legend shows a line as it is drawn, dashes too; what has no line shows its colour, a band its wash.
+  function markers(made) {
+    const line = (i) => made[i].class === "line";
+    return {
+      width: (u, i) => (line(i) ? made[i].width : 0),
+      dash: (u, i) => BORDERS[DASHES.indexOf(made[i].dash)],
+      stroke: (u, i) => made[i].stroke(),
+      fill: (u, i) => (line(i) ? "transparent" : made[i].stroke() + (made[i].band ? "55" : "")),
+    };
   }
 
   let plots = [];

@@ -18,7 +18,7 @@ pub use generator::{Case, SHARES, generate, generate_kind};
 pub use kind::{Kind, UnknownKind};
 pub use run::{Diagnose, ProofError, Source, run};
 pub use score::{
-    Bin, Covered, Judged, Judgement, KindScore, Line, Rate, Score, ScoreError, Spread,
+    Aim, Bin, Covered, Judged, Judgement, KindScore, Line, Rate, Score, ScoreError, Spread,
 };
 pub use truth::{HiddenEffect, Truth, our_name};
 pub use verdict::{Claim, FindingSummary, ParameterSummary, Verdict};

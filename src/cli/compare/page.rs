@@ -48,21 +48,21 @@ fn percent_header(table: Table, unit: &str) -> Table {
 fn figures(comparison: &Comparison) -> Table {
     let table = Table::new("Residual vibration by frequency error")
         .text_column("shaper")
+        .column("95 %", "% of unshaped")
         .column("delay", "s")
         .column("insensitivity", "")
-        .column("gain", "")
-        .column("95 %", "% of unshaped");
+        .column("gain", "");
     let mut table = percent_header(table, "% of unshaped");
     for (shaper, design) in comparison.designs() {
         let mut cells: Vec<Cell> = vec![
             shaper.name().into(),
-            design.train.duration().into(),
-            design.insensitivity.into(),
-            design.train.gain().into(),
             comparison
                 .uncertain(shaper)
                 .map(|(worst, _)| percent(worst))
                 .into(),
+            design.train.duration().into(),
+            design.insensitivity.into(),
+            design.train.gain().into(),
         ];
         cells.extend(ERRORS.map(|error| percent(design.residual(error)).into()));
         table = table.row(cells);

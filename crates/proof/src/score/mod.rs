@@ -1,5 +1,6 @@
 //! The score over many cases.
 
+mod aim;
 mod coverage;
 mod judgement;
 mod kinds;
@@ -9,6 +10,7 @@ mod rate;
 mod read;
 mod reliability;
 
+pub use aim::Aim;
 pub use coverage::Covered;
 pub use judgement::Judgement;
 pub use kinds::KindScore;
@@ -68,7 +70,7 @@ pub struct Line {
     /// How often it was so.
     pub rate: Rate,
     /// The aim.
-    pub aim: &'static str,
+    pub aim: Aim,
 }
 
 impl Score {
@@ -98,39 +100,49 @@ impl Score {
         let more = self.rate(more, |j| j.family);
         let shaped = of(Kind::Shaped, |j| j.family);
         [
-            line("detected", "detected", detected, ""),
+            line("detected", "detected", detected, Aim::None),
             line(
                 "family",
                 "family, once detected",
                 found(|j| j.family),
-                ">= 98 %",
+                Aim::AtLeast(98.0),
             ),
             line(
                 "exact",
                 "exact name, once detected",
                 found(|j| j.exact),
-                ">= 92 %",
+                Aim::AtLeast(92.0),
             ),
-            line("in_set", "truth in the set", found(|j| j.in_set), ">= 97 %"),
+            line(
+                "in_set",
+                "truth in the set",
+                found(|j| j.in_set),
+                Aim::AtLeast(97.0),
+            ),
             line(
                 "two_families",
                 "two effects, both families",
                 pairs,
-                ">= 94 %",
+                Aim::AtLeast(94.0),
             ),
             line(
                 "more_families",
                 "three effects or more, all families",
                 more,
-                ">= 85 %",
+                Aim::AtLeast(85.0),
             ),
             line(
                 "shaped_family",
                 "another shape, family once detected",
                 shaped,
-                "",
+                Aim::None,
             ),
-            line("spurious", "spurious findings", self.spurious(), "<= 2 %"),
+            line(
+                "spurious",
+                "spurious findings",
+                self.spurious(),
+                Aim::AtMost(2.0),
+            ),
         ]
     }
 
@@ -155,30 +167,30 @@ impl Score {
             .flat_map(|case| &case.judgement.parameters);
         let coverage = parameters.fold(Rate::default(), |rate, p| rate.and(p.inside));
         [
-            line("false_alarms", "false alarms", alarms, "<= 1 %"),
+            line("false_alarms", "false alarms", alarms, Aim::AtMost(1.0)),
             line(
                 "outside_noticed",
                 "outside the catalogue, noticed",
                 outside(|j| j.detected),
-                "",
+                Aim::None,
             ),
             line(
                 "outside_flagged",
                 "outside the catalogue, flagged",
                 outside(|j| j.flagged),
-                ">= 85 %",
+                Aim::AtLeast(85.0),
             ),
             line(
                 "outside_learned",
                 "outside the catalogue, learned in its slot",
                 outside(|j| j.learned),
-                "",
+                Aim::None,
             ),
             line(
                 "coverage",
                 "95 % intervals that hold the truth",
                 coverage,
-                "90-98 %",
+                Aim::Within([90.0, 98.0]),
             ),
         ]
     }
@@ -311,7 +323,7 @@ impl Score {
     }
 }
 
-fn line(key: &'static str, name: &'static str, rate: Rate, aim: &'static str) -> Line {
+fn line(key: &'static str, name: &'static str, rate: Rate, aim: Aim) -> Line {
     Line {
         key,
         name,

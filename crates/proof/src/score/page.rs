@@ -69,7 +69,8 @@ impl Score {
             .text_column("cases")
             .column("share", "%")
             .text_column("95 % interval")
-            .text_column("aim");
+            .text_column("aim")
+            .text_column("met");
         for line in self.lines() {
             let [low, high] = line.rate.interval();
             let interval = if line.rate.of == 0 {
@@ -82,10 +83,14 @@ impl Score {
                 line.rate.count().into(),
                 line.rate.percent().into(),
                 interval.into(),
-                line.aim.into(),
+                line.aim.to_string().into(),
+                line.aim.verdict(line.rate).into(),
             ]);
         }
-        table
+        table.note(
+            "An aim is met or missed where the whole interval says so. Where it says neither there are too few \
+             cases to decide.",
+        )
     }
 
     fn spreads_table(&self) -> Table {

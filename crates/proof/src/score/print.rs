@@ -41,11 +41,12 @@ impl Score {
                 line.rate.count(),
                 line.rate.share(),
                 interval,
-                line.aim.into(),
+                line.aim.to_string(),
+                line.aim.verdict(line.rate).into(),
             ]
         };
         let rows = self.lines().into_iter().map(row);
-        table(1, &["score", "cases", "share", "95 %", "aim"], rows)
+        table(1, &["score", "cases", "share", "95 %", "aim", "met"], rows)
     }
 
     fn spreads_text(&self) -> String {
