@@ -114,11 +114,16 @@ pub fn residual(segments: &[Segment], modes: &[Damped]) -> Option<DVector<f64>> 
     Some(DVector::from_vec(left))
 }
 
+/// The linear coefficients of each decay, one column for each axis: an offset, then cosine and sine of each mode.
+pub fn coefficients(segments: &[Segment], modes: &[Damped]) -> Option<Vec<DMatrix<f64>>> {
+    let of = |segment: &Segment| project(&basis(segment, modes)?, &segment.values);
+    segments.iter().map(of).collect()
+}
+
 /// The amplitude of each mode at the start of the strongest decay: the root of the sum of squares over the axes.
 pub fn amplitudes(segments: &[Segment], modes: &[Damped]) -> Option<Vec<f64>> {
     let mut most = vec![0.0_f64; modes.len()];
-    for segment in segments {
-        let amplitudes = project(&basis(segment, modes)?, &segment.values)?;
+    for amplitudes in coefficients(segments, modes)? {
         for (k, most) in most.iter_mut().enumerate() {
             *most = most.max(amplitudes.rows(1 + 2 * k, 2).norm());
         }

@@ -1,10 +1,10 @@
 //! Modes of free decays: their number, their dependence on amplitude, and their uncertainty.
 
 use super::damped::{Bend, Damped, Fit, Law, Segment, amplitudes, fit, residual};
-use super::{Excitation, FoundMode, OutputOnly, Vibration};
+use super::told::told;
+use super::{Excitation, OutputOnly, Vibration};
 use crate::stop::Stop;
 use nalgebra::{DMatrix, DVector};
-use quell_shapers::{Mode, UncertainMode};
 use std::f64::consts::TAU;
 
 /// Most steps; each adds a mode or a dependence on amplitude.
@@ -13,10 +13,6 @@ const STEPS: usize = 7;
 const STARTS: [f64; 5] = [0.003, 0.01, 0.03, 0.08, 0.2];
 /// Laws that a mode may follow.
 const LAWS: [Law; 3] = [Law::Power(1.0), Law::Power(2.0), Law::Friction];
-/// Smallest reported share of the strongest mode; and the share below which a multiple of a stronger mode's
-/// frequency is its distortion, whose residual is acceptable.
-const LEAST: f64 = 0.005;
-const DISTORTION: f64 = 0.05;
 /// Bayesian evidence that is very strong (Kass and Raftery 1995).
 const STRONG: f64 = 10.0;
 /// Least share of the variance that modes explain in a free decay, as opposed to a machine at work.
@@ -27,9 +23,6 @@ const MOST: usize = 30_000;
 const LOOKED_AT: usize = 3000;
 /// Number of places in a stretch at which its free decay may begin.
 const BEGINS: usize = 6;
-/// Damping ratio above which it is drift, not vibration; and number of periods in the record below which it is.
-const DRIFT: f64 = 0.5;
-const PERIODS: f64 = 2.0;
 
 /// The modes of some stretches; `None` where these are no free decays.
 pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]], stop: Stop) -> Option<OutputOnly> {
@@ -39,7 +32,6 @@ pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]], stop: Stop) -> Opt
         .iter()
         .map(|s| segment(vibration, *s, MOST))
         .collect();
-    let first = segments.first()?;
     let total: f64 = residual(&segments, &[])?.norm_squared();
     let models = grow(&segments, stop)?;
     let count: usize = segments.iter().map(|segment| segment.values.len()).sum();
@@ -53,11 +45,9 @@ pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]], stop: Stop) -> Opt
     let explained = 1.0 - best.minimum.cost / total;
     let found = independent * (total / best.minimum.cost).ln();
     let needed = unknowns(best, axes) * independent.ln() + STRONG;
-    let shares = amplitudes(&segments, &best.modes)?;
     let scale = best.minimum.cost / (count as f64 - unknowns(best, axes)).max(1.0) * count as f64
         / independent;
-    let span = first.period * first.values.nrows() as f64;
-    let modes = told(best, &shares, scale, span);
+    let (modes, left_out) = told(best, &segments, scale)?;
     if explained < EXPLAINED || found < needed || modes.is_empty() {
         return None;
     }
@@ -65,6 +55,7 @@ pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]], stop: Stop) -> Opt
     Some(OutputOnly {
         excitation: Excitation::Decay,
         modes,
+        left_out,
         stretches: stretches.into_iter().map(seconds).collect(),
         explained,
         evidence: [found, needed],
@@ -186,66 +177,6 @@ fn independent(left: &DVector<f64>, count: usize) -> f64 {
         .sum();
     let r = (pairs / left.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
     (count as f64 * (1.0 - r) / (1.0 + r)).max(8.0)
-}
-
-/// The reported modes, the strongest first, without drift and harmonics of stronger modes.
-fn told(best: &Fit, shares: &[f64], scale: f64, span: f64) -> Vec<FoundMode> {
-    let largest = shares.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let mut order: Vec<usize> = (0..best.modes.len()).collect();
-    order.sort_by(|a, b| shares[*b].total_cmp(&shares[*a]));
-    let is_vibration = |k: &usize| {
-        let mode = &best.modes[*k];
-        let ratio = mode.rate / mode.frequency.hypot(mode.rate);
-        ratio < DRIFT && mode.frequency * span > TAU * PERIODS
-    };
-    order.retain(is_vibration);
-    let mut kept: Vec<usize> = Vec::new();
-    for k in order.into_iter().filter(|k| shares[*k] > LEAST * largest) {
-        let own = (&best.modes[k], shares[k] / largest);
-        if !kept
-            .iter()
-            .any(|stronger| belongs(own, &best.modes[*stronger]))
-        {
-            kept.push(k);
-        }
-    }
-    let covariance = best.minimum.inverse.as_ref().map(|inverse| inverse * scale);
-    let one = |k: usize| found(best, k, covariance.as_ref(), shares[k] / largest);
-    kept.into_iter().filter_map(one).collect()
-}
-
-/// Whether a weaker mode of a fit belongs to a stronger one. At a multiple of its frequency it is a distortion,
-/// if its rate is that multiple, too, or its share is small. Within its half-power width it describes the
-/// deviation from an exponential decay, which the data cannot distinguish from a separate mode.
-fn belongs((mode, share): (&Damped, f64), of: &Damped) -> bool {
-    let near = |value: f64, whole: f64, by: f64| (value / whole - 1.0).abs() < by;
-    let order = (mode.frequency / of.frequency).round();
-    let is_multiple = order >= 2.0 && near(mode.frequency, order * of.frequency, 0.01);
-    let is_beside = (mode.frequency - of.frequency).abs() < of.rate;
-    is_beside || (is_multiple && (share < DISTORTION || near(mode.rate, order * of.rate, 0.3)))
-}
-
-fn found(best: &Fit, k: usize, covariance: Option<&DMatrix<f64>>, share: f64) -> Option<FoundMode> {
-    let mode = best.modes[k];
-    let place: usize = best.modes[..k]
-        .iter()
-        .map(|m| 2 + 2 * usize::from(m.bend.is_some()))
-        .sum();
-    let natural = mode.frequency.hypot(mode.rate);
-    let ratio = mode.rate / natural;
-    let variance = |a: usize, b: usize| covariance.map_or(f64::NAN, |c| c[(place + a, place + b)]);
-    let ratio_variance = variance(0, 0) + variance(1, 1) - 2.0 * variance(0, 1);
-    Some(FoundMode {
-        known: UncertainMode {
-            mode: Mode::new(natural, ratio).ok()?,
-            natural_frequency_std: natural * variance(0, 0).max(0.0).sqrt(),
-            damping_ratio_std: ratio * ratio_variance.max(0.0).sqrt(),
-        },
-        share,
-        frequency_shift: mode.bend.map_or(0.0, |bend| bend.frequency),
-        frequency_shift_std: mode.bend.map_or(0.0, |_| variance(2, 2).max(0.0).sqrt()),
-        damping_shift: mode.bend.map_or(0.0, |bend| ratio * bend.rate),
-    })
 }
 
 /// The part of a stretch in which its decay is free. It starts at the earliest place from which the residual of

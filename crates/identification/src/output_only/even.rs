@@ -19,6 +19,8 @@ const ROLES: [Role; 8] = [
 /// Largest deviation of stamps from even ones, as a share of the period, that is ignored: a sine of a tenth of
 /// the rate changes by 6 % of its amplitude in it.
 const BESIDE: f64 = 0.1;
+/// Deviation from a whole number that is the rounding of a stamp's digits.
+const WHOLE: f64 = 1e-3;
 /// Longest gap, in samples, that is interpolated.
 const HOLE: f64 = 4.5;
 
@@ -112,16 +114,14 @@ fn even(channel: &Channel) -> Result<Vibration, IdentificationError> {
     let (first, last) = longest(&steps, HOLE * middle);
     let stamps = &time[first..=last];
     let samples = stamps.len();
-    let period = match samples {
-        0 | 1 => middle,
-        _ => (stamps[samples - 1] - stamps[0]) / (samples - 1) as f64,
-    };
-    let off = |(k, stamp): (usize, &f64)| (stamp - stamps[0] - k as f64 * period).abs() / period;
-    let is_even = stamps.iter().enumerate().map(off).fold(0.0, f64::max) <= BESIDE;
     // If samples are missing, the grid includes them; if stamps only jitter, the grid has as many points as
     // there are samples.
     let missing = sorted.last().is_some_and(|longest| *longest > 1.5 * middle);
-    let period = if !is_even && missing { middle } else { period };
+    let Grid {
+        start,
+        period,
+        is_even,
+    } = grid(stamps, middle, missing);
     let mut axes = Vec::new();
     for column in &channel.columns {
         let values = &column[first..=last];
@@ -139,11 +139,74 @@ fn even(channel: &Channel) -> Result<Vibration, IdentificationError> {
     Ok(Vibration {
         role: channel.role,
         unit: channel.unit.clone(),
-        start: stamps[0],
+        start,
         rate: 1.0 / period,
         axes,
         used: samples as f64 / time.len().max(1) as f64,
     })
+}
+
+/// An even grid, s, and whether each sample is at its place there.
+struct Grid {
+    start: f64,
+    period: f64,
+    is_even: bool,
+}
+
+/// The grid for stamps of this median period.
+fn grid(stamps: &[f64], middle: f64, missing: bool) -> Grid {
+    let samples = stamps.len();
+    let start = stamps[0];
+    let period = match samples {
+        1 => middle,
+        _ => (stamps[samples - 1] - start) / (samples - 1) as f64,
+    };
+    let off = |(k, stamp): (usize, &f64)| (stamp - start - k as f64 * period).abs() / period;
+    let is_even = stamps.iter().enumerate().map(off).fold(0.0, f64::max) <= BESIDE;
+    if let Some([start, period]) = rounded(stamps).filter(|_| !is_even) {
+        let is_even = true;
+        return Grid {
+            start,
+            period,
+            is_even,
+        };
+    }
+    let period = if !is_even && missing { middle } else { period };
+    Grid {
+        start,
+        period,
+        is_even,
+    }
+}
+
+/// Start and period, s, of even stamps that were rounded, or cut off, to a power of ten of a second: `None` where
+/// they leave their regression line by more than that allows. A sample that is missing shifts all behind it by a
+/// period, and so leaves it.
+fn rounded(stamps: &[f64]) -> Option<[f64; 2]> {
+    let digits = (0..=9).find(|digits| {
+        let per_second = 10.0_f64.powi(*digits);
+        let is_whole =
+            |stamp: &f64| (stamp * per_second - (stamp * per_second).round()).abs() < WHOLE;
+        stamps.iter().all(is_whole)
+    })?;
+    let count = stamps.len() as f64;
+    let (middle, centre) = ((count - 1.0) / 2.0, mean(stamps));
+    let (mut along, mut square) = (0.0, 0.0);
+    for (k, stamp) in stamps.iter().enumerate() {
+        along += (k as f64 - middle) * (stamp - centre);
+        square += (k as f64 - middle).powi(2);
+    }
+    let period = along / square;
+    let off = |(k, stamp): (usize, &f64)| stamp - centre - (k as f64 - middle) * period;
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for off in stamps.iter().enumerate().map(off) {
+        (least, most) = (least.min(off), most.max(off));
+    }
+    let step = 0.1_f64.powi(digits);
+    // The line itself is known to the deviation of the rounding, over the root of the number of stamps.
+    let unsure = step * (12.0 / count).sqrt();
+    (most - least <= step + unsure)
+        .then_some([centre - middle * period + 0.5 * (least + most), period])
 }
 
 /// First and last sample of the longest stretch whose steps stay below a limit.

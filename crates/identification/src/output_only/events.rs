@@ -2,6 +2,7 @@
 
 use super::Vibration;
 use super::density::density;
+use quell_recording::Role;
 use quell_signal::Window;
 
 /// Number of parts in which the energy is computed.
@@ -16,6 +17,9 @@ const AROUND: usize = 7;
 const FALLS: f64 = 9.0;
 /// Factor of energy that marks a new event.
 const RISES: f64 = 4.0;
+/// Factor of energy beyond that of the decay that marks a sudden end. The energy of the fewest samples of noise has
+/// a relative deviation of `sqrt(2 / 16)`: a factor of 9 is six of these in its logarithm.
+const SUDDEN: f64 = 9.0;
 /// Most decays that are fitted, the strongest first.
 const MOST: usize = 12;
 
@@ -29,13 +33,24 @@ const OCTAVE: f64 = 2.0;
 /// the strongest has 14 times the median in one part of ten.
 const STANDS_OUT: f64 = 30.0;
 
-/// Stretches of free decay, in samples from and before, the strongest first.
-pub fn decays(vibration: &Vibration) -> Vec<[usize; 2]> {
+/// Lengths, in samples, of the parts in which decays are looked for. What shows positions shows the moves between
+/// its decays, too, whose slow lines may stand out most: it is looked at in ever shorter parts.
+pub fn lengths(vibration: &Vibration) -> Vec<usize> {
     let samples = vibration.axes[0].len();
-    let length = (samples / PARTS)
-        .max(FEWEST)
-        .max(cycles(vibration))
-        .min(samples / 4);
+    let shortest = (samples / PARTS).max(FEWEST);
+    let first = shortest.max(cycles(vibration)).min(samples / 4);
+    let moves = [Role::LinkPosition, Role::TipPosition, Role::LinkVelocity];
+    if !moves.contains(&vibration.role) {
+        return vec![first];
+    }
+    std::iter::successors(Some(first), |length| Some(length / 2))
+        .take_while(|length| *length >= shortest.min(first))
+        .collect()
+}
+
+/// Stretches of free decay, in samples from and before, the strongest first; in parts of so many samples.
+pub fn decays(vibration: &Vibration, length: usize) -> Vec<[usize; 2]> {
+    let samples = vibration.axes[0].len();
     let energies: Vec<f64> = (0..samples / length)
         .map(|part| energy(vibration, part * length, length))
         .collect();
@@ -55,16 +70,61 @@ pub fn decays(vibration: &Vibration) -> Vec<[usize; 2]> {
                 end = part;
             }
         }
+        let end = stopped(&energies[top..=end]).map_or(end, |parts| top + parts);
         if energies[top] > FALLS * low && end - top >= 3 {
-            found.push((energies[top], [top * length, (end + 1) * length]));
+            let from = onset(vibration, [top * length, (top + 1) * length]);
+            found.push((energies[top], [from, (end + 1) * length]));
         }
         part += 1;
     }
+    strongest_first(found)
+}
+
+/// Stretches of spans of rest, s, in samples from and before, the strongest first.
+pub fn within(vibration: &Vibration, rests: &[[f64; 2]]) -> Vec<[usize; 2]> {
+    let samples = vibration.axes[0].len();
+    let sample = |time: f64| ((time - vibration.start) * vibration.rate).ceil().max(0.0) as usize;
+    let stretch = |[from, until]: &[f64; 2]| [sample(*from), sample(*until).min(samples)];
+    let stretches = rests.iter().map(stretch);
+    let long = stretches.filter(|[from, until]| *until >= from + 2 * FEWEST);
+    let with_energy = |[from, until]: [usize; 2]| {
+        let quarter = (until - from) / 4;
+        (energy(vibration, from, quarter), [from, until])
+    };
+    strongest_first(long.map(with_energy).collect())
+}
+
+/// The stretches of enough energy, the strongest first.
+fn strongest_first(mut found: Vec<(f64, [usize; 2])>) -> Vec<[usize; 2]> {
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     let strongest = found.first().map_or(0.0, |first| first.0);
     // A hundredth of the energy, a tenth of the amplitude, adds little information.
     let strong = found.into_iter().filter(|one| one.0 > 0.01 * strongest);
     strong.take(MOST).map(|one| one.1).collect()
+}
+
+/// Number of parts after the top before something stops a decay, as a hand that is laid on it: the energy falls to
+/// the floor within two parts, far faster than before. `None` where nothing does.
+fn stopped(energies: &[f64]) -> Option<usize> {
+    let floor = energies.iter().copied().fold(f64::INFINITY, f64::min);
+    (3..energies.len().saturating_sub(2)).find(|&k| {
+        let (now, then) = (energies[k], energies[k + 2]);
+        let usual = (energies[0] / now).powf(2.0 / k as f64).max(1.0);
+        now > SUDDEN * usual * then && then < RISES * floor
+    })
+}
+
+/// The first sample with half of the greatest energy of some: what comes before it excites the vibration.
+fn onset(vibration: &Vibration, [from, until]: [usize; 2]) -> usize {
+    let mean = |axis: &Vec<f64>| axis[from..until].iter().sum::<f64>() / (until - from) as f64;
+    let means: Vec<f64> = vibration.axes.iter().map(mean).collect();
+    let square = |k: usize| -> f64 {
+        let axes = vibration.axes.iter().zip(&means);
+        axes.map(|(axis, mean)| (axis[k] - mean).powi(2)).sum()
+    };
+    let greatest = (from..until).map(square).fold(0.0, f64::max);
+    let is_strong = |k: &usize| square(*k) >= 0.5 * greatest;
+    (from..until).find(is_strong).unwrap_or(from)
 }
 
 /// Number of samples of one and a half periods of the most prominent line. A shorter part would have an energy

@@ -8,13 +8,16 @@
 mod damped;
 mod decay;
 mod density;
+mod distortion;
 mod even;
 mod events;
 mod least_squares;
 mod resonances;
+mod told;
 
 pub use density::{Density, density};
 pub use even::{Vibration, vibration};
+pub use told::{LeftOut, Reason};
 
 use super::IdentificationError;
 use super::stop::{Stop, check, never};
@@ -59,6 +62,8 @@ pub struct OutputOnly {
     pub excitation: Excitation,
     /// The modes, the strongest first.
     pub modes: Vec<FoundMode>,
+    /// What was fitted and is no mode of its own.
+    pub left_out: Vec<LeftOut>,
     /// Stretches that were fitted, s.
     pub stretches: Vec<[f64; 2]>,
     /// Share of the variance in these that the modes explain (of a sweep or work: of the logarithm of the spectrum).
@@ -83,12 +88,29 @@ pub fn output_only_until(
     vibration: &Vibration,
     stop: Stop,
 ) -> Result<OutputOnly, IdentificationError> {
-    let found = look(vibration, stop);
+    output_only_within(vibration, &[], stop)
+}
+
+/// [`output_only_until`], of the free decays in these spans of rest (s) if they hold any: what drives the machine
+/// is known to rest there.
+///
+/// # Errors
+/// As [`output_only_until`].
+pub fn output_only_within(
+    vibration: &Vibration,
+    rests: &[[f64; 2]],
+    stop: Stop,
+) -> Result<OutputOnly, IdentificationError> {
+    let found = look(vibration, rests, stop);
     // If it was stopped, a skipped part is no result.
     check(stop).and(found)
 }
 
-fn look(vibration: &Vibration, stop: Stop) -> Result<OutputOnly, IdentificationError> {
+fn look(
+    vibration: &Vibration,
+    rests: &[[f64; 2]],
+    stop: Stop,
+) -> Result<OutputOnly, IdentificationError> {
     let samples = vibration.axes.first().map_or(0, Vec::len);
     if samples < 32 {
         return Err(IdentificationError::TooFew {
@@ -99,11 +121,17 @@ fn look(vibration: &Vibration, stop: Stop) -> Result<OutputOnly, IdentificationE
     if vibration.is_still() {
         return Err(IdentificationError::Still);
     }
-    let sweep = events::sweep(vibration);
-    if sweep.is_none()
-        && let Some(found) = decay::modes(vibration, &events::decays(vibration), stop)
-    {
+    if let Some(found) = decay::modes(vibration, &events::within(vibration, rests), stop) {
         return Ok(found);
+    }
+    let sweep = events::sweep(vibration);
+    if sweep.is_none() {
+        let mut stretches = events::lengths(vibration)
+            .into_iter()
+            .map(|length| events::decays(vibration, length));
+        if let Some(found) = stretches.find_map(|some| decay::modes(vibration, &some, stop)) {
+            return Ok(found);
+        }
     }
     let found = resonances::modes(vibration, sweep, stop)?;
     match found.modes.is_empty() {

@@ -79,6 +79,7 @@ pub fn modes(
     Ok(OutputOnly {
         excitation,
         modes: problem.told(best),
+        left_out: Vec::new(),
         stretches: vec![[vibration.start, vibration.start + seconds]],
         explained: problem.explained(best),
         evidence: [found, needed],
