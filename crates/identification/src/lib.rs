@@ -2,6 +2,7 @@
 
 mod amplitude;
 mod evidence;
+mod motor_side;
 mod nominal_model;
 pub mod output_only;
 mod prepare;
@@ -13,6 +14,7 @@ mod stretches;
 mod whole_fit;
 
 pub use amplitude::{AmplitudeDependence, CycleDamping};
+pub use motor_side::{motor_side, rests};
 pub use nominal_model::NominalModel;
 pub use prepare::{IdentificationError, Series, prepare};
 pub use quell_model::ModelError;

@@ -2,6 +2,7 @@
 
 use core::f64::consts::{PI, TAU};
 
+use super::motor_side;
 use super::nominal_model::NominalModel;
 use quell_control::estimators::Sample;
 use quell_model::unify_gain;
@@ -88,9 +89,13 @@ pub struct Series {
     pub lever_arm: Option<f64>,
     /// Whether the deformation has a sensor of its own.
     pub scale_is_open: bool,
+    /// What tells the motor side's motion: its position, or its velocity or its command where the recording has no
+    /// position.
+    pub motor_side: Role,
 }
 
-/// Aligns a recording, which is consumed: angles are unwrapped, a tip sensor is registered with the model's
+/// Aligns a recording, which is consumed: a velocity of the motor side is integrated, or its command taken for its
+/// position, where it has no position; angles are unwrapped, a tip sensor is registered with the model's
 /// lever arm, in the requested way.
 ///
 /// # Errors
@@ -100,6 +105,7 @@ pub fn prepare(
     model: Option<&NominalModel>,
     registration: TipRegistration,
 ) -> Result<Series, IdentificationError> {
+    let motor_side = motor_side::provide(&mut recording)?;
     for channel in &mut recording.channels {
         let angle = matches!(channel.role, Role::MotorPosition | Role::LinkPosition);
         if angle && channel.unit == "rad" {
@@ -131,6 +137,7 @@ pub fn prepare(
         registration: deformation.registration,
         lever_arm,
         scale_is_open: recording.channel(Role::Deformation).is_some(),
+        motor_side: motor_side.unwrap_or(Role::MotorPosition),
     })
 }
 

@@ -1,0 +1,74 @@
+//! The motor side's motion, by whichever channel a recording has of it.
+
+use quell_recording::{Channel, Recording, Role};
+use quell_signal::{CubicSpline, End, Phase, RestRule, SignalError, free_decays};
+
+/// Channels of the motor side's motion, the preferred one first. A command stands for what the motor side does of
+/// it.
+const ROLES: [Role; 3] = [
+    Role::MotorPosition,
+    Role::MotorVelocity,
+    Role::CommandPosition,
+];
+/// Shortest rest in which a decay is looked for, s: two periods of 4 Hz.
+const SHORTEST: f64 = 0.5;
+
+/// The channel of a recording that tells the motor side's motion.
+pub fn motor_side(recording: &Recording) -> Option<&Channel> {
+    ROLES.iter().find_map(|role| recording.channel(*role))
+}
+
+/// Gives a recording a `motor_position` if it has another channel of the motor side; returns the role that it is
+/// made of.
+///
+/// # Errors
+/// [`SignalError`] where the channel is no time series.
+pub fn provide(recording: &mut Recording) -> Result<Option<Role>, SignalError> {
+    let Some(channel) = motor_side(recording) else {
+        return Ok(None);
+    };
+    let role = channel.role;
+    if role != Role::MotorPosition {
+        let made = position(channel)?;
+        recording.channels.push(made);
+    }
+    Ok(Some(role))
+}
+
+/// Rests of the motor side after a motion of it; none where it does not move, or nothing tells its motion.
+///
+/// # Errors
+/// As [`provide`].
+pub fn rests(recording: &Recording) -> Result<Vec<Phase>, SignalError> {
+    let Some(channel) = motor_side(recording).filter(|channel| channel.varies()) else {
+        return Ok(Vec::new());
+    };
+    let made = position(channel)?;
+    let values = &made.columns[0];
+    free_decays(&made.time, values, RestRule::from_values(values), SHORTEST)
+}
+
+/// A motor position of a channel: itself, or the integral of the spline through a velocity, from 0 on.
+fn position(channel: &Channel) -> Result<Channel, SignalError> {
+    let (time, values) = (&channel.time, &channel.columns[0]);
+    let mut made = Channel {
+        role: Role::MotorPosition,
+        ..channel.clone()
+    };
+    if channel.role != Role::MotorVelocity {
+        return Ok(made);
+    }
+    let spline = CubicSpline::new(time, values, End::NotAKnot)?;
+    let mut at = 0.0;
+    for k in 1..time.len() {
+        let h = time[k] - time[k - 1];
+        let bend = spline.second(k - 1) + spline.second(k);
+        made.columns[0][k - 1] = at;
+        at += h * (0.5 * (values[k - 1] + values[k]) - h * h * bend / 24.0);
+    }
+    if let Some(last) = made.columns[0].last_mut() {
+        *last = at;
+    }
+    made.unit = channel.unit.trim_end_matches("/s").into();
+    Ok(made)
+}
