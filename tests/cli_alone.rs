@@ -121,6 +121,66 @@ fn two_modes_of_a_decay_are_told_with_their_deviations() {
     );
 }
 
+/// A free decay: Hz, damping ratio, amplitude, phase.
+fn ring([hertz, xi, amplitude, phase]: [f64; 4], samples: usize) -> Vec<f64> {
+    let omega = TAU * hertz;
+    let at = |t: f64| (-xi * omega * t).exp() * (omega * (1.0 - xi * xi).sqrt() * t + phase).cos();
+    (0..samples)
+        .map(|k| amplitude * at(k as f64 / RATE))
+        .collect()
+}
+
+#[test]
+fn modes_at_multiples_of_a_mode_are_told() {
+    let mut rng = generator(8);
+    // Frequencies 1:5 with another rate, 1:2:3 and 1:4:9 of one damping ratio, as of a string or a beam.
+    let sets: [&[[f64; 4]]; 4] = [
+        &[[6.2, 0.01, 0.5, 0.3], [31.0, 0.008, 0.35, 1.1]],
+        &[[6.2, 0.01, 0.5, 0.3], [31.0, 0.008, 0.02, 1.1]],
+        &[
+            [6.2, 0.01, 0.5, 0.3],
+            [12.4, 0.01, 0.3, 0.9],
+            [18.6, 0.01, 0.2, 0.2],
+        ],
+        &[
+            [6.2, 0.01, 0.5, 0.0],
+            [24.8, 0.01, 0.3, 0.0],
+            [55.8, 0.01, 0.1, 0.0],
+        ],
+    ];
+    for modes in sets {
+        let mut all: Vec<f64> = (0..6000).map(|_| 0.003 * noise(&mut rng)).collect();
+        for mode in modes {
+            let own = ring(*mode, 6000);
+            all.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        }
+        let truth: Vec<_> = modes.iter().map(|mode| (mode[0], mode[1])).collect();
+        holds(&identify("accel_g", &[all]), &truth);
+    }
+}
+
+#[test]
+fn a_nonlinear_sensors_multiple_is_left_out_and_named() {
+    let mut rng = generator(9);
+    for (power, share) in [(2, 0.1), (3, 0.1)] {
+        let decay = ring([6.2, 0.01, 1.0, 0.7], 6000);
+        let seen = |x: &f64| x + share * x.powi(power) + 0.001 * noise(&mut rng);
+        let found = identify("accel_g", &[decay.iter().map(seen).collect()]);
+        let modes = found["modes"].as_array().unwrap();
+        assert_eq!(modes.len(), 1, "{modes:?}");
+        let left = &found["left_out"][0];
+        assert_eq!(
+            (&left["reason"], left["order"].as_i64()),
+            (&"distortion".into(), Some(power.into())),
+            "{found}"
+        );
+        assert!(
+            found["remarks"].to_string().contains("Left out: "),
+            "{found}"
+        );
+    }
+}
+
 #[test]
 fn a_mode_that_depends_on_its_amplitude_is_one() {
     let mut rng = generator(2);
@@ -329,4 +389,221 @@ fn reprapfirmwares_file_has_its_rate_in_the_last_line() {
     assert_eq!(found["recordings"][0]["rate_hz"], 1344.0);
     holds(&found["recordings"][0], &[(40.0, 0.05)]);
     assert_eq!(found["printer"][0]["axis"], "x");
+}
+
+/// A motor side (rad) that moves six times, and how a link of one mode, 6.4 Hz and 0.03, follows it: position,
+/// velocity and acceleration of the motor side, then of the link.
+fn moved(samples: usize) -> [Vec<f64>; 6] {
+    const MOVES: [[f64; 3]; 6] = [
+        [1.0, 0.4, 0.6],
+        [4.0, 0.35, -0.8],
+        [7.0, 0.5, 1.1],
+        [10.0, 0.3, -0.8],
+        [13.0, 0.45, 0.6],
+        [16.0, 0.4, -0.7],
+    ];
+    let (w, xi, fine) = (TAU * 6.4, 0.03, 20);
+    let dt = 2.0 / RATE / f64::from(fine);
+    let motor = |t: f64| -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for [from, lasts, by] in MOVES {
+            let s = ((t - from) / lasts).clamp(0.0, 1.0);
+            sum[0] += by * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
+            sum[1] += by * 30.0 * (s * (1.0 - s)).powi(2) / lasts;
+            sum[2] += by * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (lasts * lasts);
+        }
+        sum
+    };
+    let (mut x, mut v) = (0.0, 0.0);
+    let mut all: [Vec<f64>; 6] = Default::default();
+    for k in 0..samples * fine as usize {
+        let [position, velocity, own] = motor(k as f64 * dt);
+        let a = 2.0 * xi * w * (velocity - v) + w * w * (position - x);
+        if k % fine as usize == 0 {
+            let now = [position, velocity, own, x, v, a];
+            all.iter_mut()
+                .zip(now)
+                .for_each(|(column, value)| column.push(value));
+        }
+        // Symplectic: it shifts no frequency at this step by more than 1e-5.
+        v += dt * a;
+        x += dt * v;
+    }
+    all
+}
+
+/// A column at half the rate of [`identify`]'s stamps, with noise of this deviation.
+fn seen(column: &[f64], level: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    column
+        .iter()
+        .map(|value| value + level * noise(rng))
+        .collect()
+}
+
+fn at_half_rate(header: &str, columns: &[Vec<f64>]) -> String {
+    let mut text = format!("time_s,{header}\n");
+    for k in 0..columns[0].len() {
+        let cells: Vec<String> = columns.iter().map(|c| format!("{:.7e}", c[k])).collect();
+        writeln!(text, "{:.6},{}", 2.0 * k as f64 / RATE, cells.join(",")).unwrap();
+    }
+    text
+}
+
+#[test]
+fn a_moved_link_gives_its_mode_by_whatever_tells_the_motor_side() {
+    let mut rng = generator(10);
+    let [position, velocity, _, link, _, acceleration] = moved(10_000);
+    let link = seen(&link, 5e-5, &mut rng);
+    for (header, column) in [
+        ("motor_velocity_rad/s", seen(&velocity, 0.005, &mut rng)),
+        ("command_position_rad", position.clone()),
+    ] {
+        let header = format!("{header},link_position_rad");
+        let found = answer("run.csv", &at_half_rate(&header, &[column, link.clone()]));
+        let mode = &found["mode"];
+        let number = |key: &str| mode[key].as_f64().unwrap();
+        assert!(
+            (number("frequency_hz") - 6.4).abs() < 0.02,
+            "{header}: {mode}"
+        );
+        assert!(
+            (number("damping_ratio") - 0.03).abs() < 0.001,
+            "{header}: {mode}"
+        );
+        assert!(
+            found["remarks"]
+                .to_string()
+                .contains("The motor side's motion is "),
+            "{found}"
+        );
+    }
+    let acceleration = seen(&acceleration, 0.05, &mut rng);
+    let motor = seen(&position, 5e-5, &mut rng);
+    for (header, columns) in [
+        (
+            "motor_position_rad,link_acceleration_rad/s^2",
+            vec![motor.clone(), acceleration.clone()],
+        ),
+        ("motor_position_rad,accel_m_s2", vec![motor, acceleration]),
+        ("link_position_rad", vec![link]),
+    ] {
+        let found = &answer("run.csv", &at_half_rate(header, &columns))["recordings"][0];
+        let modes = found["modes"].as_array().unwrap();
+        assert_eq!(
+            (found["excitation"].as_str(), modes.len()),
+            (Some("decay"), 1),
+            "{header}: {found}"
+        );
+        let number = |key: &str| modes[0][key].as_f64().unwrap();
+        assert!(
+            (number("frequency_hz") - 6.4).abs() < 0.02,
+            "{header}: {modes:?}"
+        );
+        assert!(
+            (number("damping_ratio") - 0.03).abs() < 0.001,
+            "{header}: {modes:?}"
+        );
+    }
+}
+
+#[test]
+fn the_input_of_a_rigid_axis_is_no_vibration() {
+    let mut rng = generator(11);
+    let [position, velocity, own, ..] = moved(10_000);
+    let torque = velocity.iter().zip(&own);
+    let torque: Vec<f64> = torque
+        .map(|(v, a)| 0.05 * a + 0.4 * (v / 0.002).tanh() + 0.1 * v)
+        .collect();
+    let columns = [
+        seen(&position, 2e-5, &mut rng),
+        seen(&torque, 0.01, &mut rng),
+    ];
+    for input in ["torque_Nm", "motor_current_A", "command_position_rad"] {
+        let folder = TempDir::new().unwrap();
+        let text = at_half_rate(&format!("motor_position_rad,{input}"), &columns);
+        std::fs::write(folder.path().join("axis.csv"), text).unwrap();
+        let quell = |verb: &str| {
+            let mut command = Command::cargo_bin("quell").unwrap();
+            command
+                .current_dir(folder.path())
+                .args([verb, "axis.csv"])
+                .output()
+                .unwrap()
+        };
+        let run = quell("identify");
+        let stderr = String::from_utf8_lossy(&run.stderr).into_owned();
+        assert_eq!(run.status.code(), Some(2), "{stderr}");
+        assert!(stderr.contains("quell diagnose --model"), "{stderr}");
+        let inspected = String::from_utf8(quell("inspect").stdout).unwrap();
+        assert!(
+            inspected.contains("Next: quell diagnose --model"),
+            "{inspected}"
+        );
+    }
+}
+
+#[test]
+fn a_decay_that_is_stopped_ends_there() {
+    let mut rng = generator(12);
+    // A tap at 1 s, and a hand at 6 s.
+    let decay = ring([6.2, 0.01, 0.5, 1.5 * TAU / 2.0], 5000);
+    let mut all: Vec<f64> = (0..9000).map(|_| 0.003 * noise(&mut rng)).collect();
+    all[1000..6000]
+        .iter_mut()
+        .zip(&decay)
+        .for_each(|(sum, own)| *sum += own);
+    let found = identify("accel_g", &[all]);
+    holds(&found, &[(6.2, 0.01)]);
+    assert!(
+        found["stretches_s"][0][1].as_f64().unwrap() <= 6.0,
+        "{found}"
+    );
+    // Taps, each in what is left of the one before.
+    let mut all: Vec<f64> = (0..14_000).map(|_| 0.003 * noise(&mut rng)).collect();
+    for (at, amplitude) in [(1000, 0.5), (5000, 0.7), (9000, 0.4)] {
+        let decay = ring([6.2, 0.02, amplitude, 1.5 * TAU / 2.0], 14_000 - at);
+        all[at..]
+            .iter_mut()
+            .zip(&decay)
+            .for_each(|(sum, own)| *sum += own);
+    }
+    holds(&identify("accel_g", &[all]), &[(6.2, 0.02)]);
+}
+
+#[test]
+fn hum_beside_a_decay_is_no_mode() {
+    let mut rng = generator(13);
+    let decay = ring([6.2, 0.01, 0.5, 0.3], 8000);
+    let hum = |k: usize| 0.02 * (TAU * 53.0 * k as f64 / RATE).sin();
+    let all = decay
+        .iter()
+        .enumerate()
+        .map(|(k, x)| x + hum(k) + 0.003 * noise(&mut rng))
+        .collect();
+    let found = identify("accel_g", &[all]);
+    holds(&found, &[(6.2, 0.01)]);
+}
+
+#[test]
+fn rounded_stamps_of_another_rate_make_no_modes_and_are_remarked_upon() {
+    let mut rng = generator(14);
+    let omega = TAU * 3.3;
+    let mut text = String::from("time_s,accel_g\n");
+    for k in 0..1500 {
+        let t = f64::from(k) / 93.6;
+        let value = 0.5 * (-0.02 * omega * t).exp() * (omega * (1.0_f64 - 0.0004).sqrt() * t).cos();
+        writeln!(text, "{t:.2},{:.6}", value + 0.001 * noise(&mut rng)).unwrap();
+    }
+    let found = &answer("run.csv", &text)["recordings"][0];
+    holds(found, &[(3.3, 0.02)]);
+    assert!(
+        (found["rate_hz"].as_f64().unwrap() - 93.6).abs() < 0.01,
+        "{found}"
+    );
+    assert!(
+        found["remarks"]
+            .to_string()
+            .contains("its stamps are mostly 100.00 Hz apart"),
+        "{found}"
+    );
 }

@@ -9,6 +9,7 @@ mod model;
 mod page;
 mod printer;
 mod registrations;
+mod remarks;
 mod several;
 mod words;
 
@@ -39,8 +40,10 @@ Examples:
   quell identify decay.csv                           (an accelerometer alone)
   quell identify raw_data_x_*.csv raw_data_y_*.csv   (a printer: prints the lines for its firmware)
 
-What vibrates alone, an accelerometer or any channel without motor_position, gives its modes from a free
-decay, a tap, a sweep or the machine at work, and the shaper for them. Else the recording needs motor_position and one of deformation, link_position, tip_position. A tip sensor
+What vibrates alone, an accelerometer or any channel of the link, gives its modes from a free decay, a tap, a
+sweep or the machine at work, and the shaper for them; where a channel tells when the motor side rests, from the
+decays in its rests. With motor_position (or motor_velocity, or command_position) and one of deformation,
+link_position, tip_position, the motor side's motion is the known input. A tip sensor
 in a frame of its own needs a model with the lever arm:
   kind = \"flexible_joint\"
   natural_frequency_hz = 8.2

@@ -8,7 +8,7 @@ mod resolution;
 mod stretches;
 
 pub use clock::{Clock, Gap, clock};
-pub use remarks::{JITTER, remarks};
+pub use remarks::{JITTER, mixed_rates, remarks};
 pub use resolution::{noise_std, quantum};
 pub use stretches::{Flat, FlatKind, flats, spikes, wraps};
 

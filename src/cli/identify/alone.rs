@@ -1,14 +1,15 @@
 //! Modes of a recording without a known input: an accelerometer, or any channel of a free vibration.
 
 use super::axis::{self, Printer};
-use super::words;
 use crate::cli::CliError;
 use crate::identification::output_only::{
-    Excitation, FoundMode, OutputOnly, Vibration, output_only_until, vibration,
+    FoundMode, OutputOnly, Vibration, output_only_within, vibration,
 };
 use crate::identification::stop::Stop;
+use crate::identification::{IdentificationError, motor_side, rests};
 use crate::page::{columns, decimals_beside, fixed};
-use crate::recording::{Recording, Role};
+use crate::recording::health::mixed_rates;
+use crate::recording::{Channel, Recording, Role};
 use quell_shapers::{
     Criterion, Recommendation, Requirements, Shaper, ShaperError, UncertainMode, design_for_all,
     recommend,
@@ -25,6 +26,8 @@ pub struct Alone {
     pub recording: String,
     /// The vibrating channel.
     pub vibration: Vibration,
+    /// A remark on the stamps of its channel, if they mix rates.
+    pub mixed_rates: Option<String>,
     /// The modes.
     pub found: OutputOnly,
     /// The recommended shaper; `None` if no shaper can be designed for these modes.
@@ -33,34 +36,73 @@ pub struct Alone {
     pub printer: Option<Printer>,
 }
 
-/// Whether the recording has no moving input, so that its modes come from the output alone.
+/// Channels of the link from which, with the motor side's motion, a mode is told.
+const LINK: [Role; 3] = [Role::Deformation, Role::LinkPosition, Role::TipPosition];
+/// Channels that vibrate with the link.
+const VIBRATING: [Role; 3] = [
+    Role::TipAcceleration,
+    Role::LinkAcceleration,
+    Role::LinkVelocity,
+];
+/// Inputs of an axis.
+const INPUTS: [Role; 5] = [
+    Role::Torque,
+    Role::Force,
+    Role::MotorCurrent,
+    Role::MotorVoltage,
+    Role::CommandPosition,
+];
+
+fn varies(recording: &Recording, role: Role) -> bool {
+    recording.channel(role).is_some_and(Channel::varies)
+}
+
+/// Whether something of the link is measured.
+fn has_link(recording: &Recording) -> bool {
+    let mut roles = LINK.into_iter().chain(VIBRATING);
+    roles.any(|role| varies(recording, role))
+}
+
+/// Whether the recording has no known input whose response is measured, so that its modes come from the output
+/// alone.
 pub fn is_alone(recording: &Recording) -> bool {
-    let varies = |role: Role| {
-        recording
-            .channel(role)
-            .is_some_and(|channel| channel.varies())
+    let has = |role: Role| recording.channel(role).is_some();
+    let moves = motor_side(recording).is_some_and(Channel::varies);
+    let driven = moves && LINK.into_iter().any(has);
+    let torque = !moves && varies(recording, Role::Torque);
+    (has_link(recording) || torque) && !driven
+}
+
+/// The input of an axis of which nothing beyond the motor side is measured, which this verb can tell nothing of.
+fn rigid(recording: &Recording) -> Option<Role> {
+    let measured = [Role::MotorPosition, Role::MotorVelocity];
+    let moves = measured.into_iter().any(|role| varies(recording, role));
+    let is_told = |role: &Role| recording.channel(*role).is_some();
+    let bare = moves && !has_link(recording) && !LINK.iter().any(is_told);
+    let mut inputs = INPUTS.into_iter().filter(|role| varies(recording, *role));
+    inputs.next().filter(|_| bare)
+}
+
+/// Refuses a recording of a motor side and its input alone.
+///
+/// # Errors
+/// [`CliError::Input`] with the verb that such a recording is for.
+pub fn refuse_rigid(recording: &Recording) -> Result<(), CliError> {
+    let refused = |input: Role| {
+        CliError::input(format!(
+            "{}: {input} is what drives the motor side, and no channel tells how a link vibrates. Record \
+             link_position, deformation or tip_acceleration beside it; or compare the axis with a model of it: \
+             quell diagnose --model MODEL.toml",
+            recording.name
+        ))
     };
-    let told = [Role::Deformation, Role::LinkPosition, Role::TipPosition];
-    let sensors = [
-        "tip_acceleration",
-        "link_acceleration",
-        "link_velocity",
-        "torque",
-    ];
-    let others = sensors.iter().filter_map(|name| Role::from_name(name));
-    let vibrates = told.into_iter().chain(others).any(varies);
-    let driven = varies(Role::MotorPosition)
-        && told
-            .into_iter()
-            .any(|role| recording.channel(role).is_some());
-    vibrates && !driven
+    rigid(recording).map_or(Ok(()), |input| Err(refused(input)))
 }
 
 /// Whether `quell identify` can be applied to the recording.
 pub fn can(recording: &Recording) -> bool {
     let has = |role: Role| recording.channel(role).is_some();
-    let told = [Role::Deformation, Role::LinkPosition, Role::TipPosition];
-    is_alone(recording) || (has(Role::MotorPosition) && told.into_iter().any(has))
+    is_alone(recording) || (motor_side(recording).is_some() && LINK.into_iter().any(has))
 }
 
 /// Whether `quell identify` needs a model for the recording: its lever arm makes an angle of what is in metres.
@@ -79,11 +121,19 @@ impl Alone {
     /// [`CliError::Input`] where nothing vibrates, or no mode stands out.
     pub fn of(path: &Path, recording: &Recording, stop: Stop) -> Result<Self, CliError> {
         let vibration = vibration(recording)?;
-        let found = output_only_until(&vibration, stop)?;
+        let rests: Vec<[f64; 2]> = rests(recording)
+            .map_err(IdentificationError::from)?
+            .iter()
+            .map(|p| [p.start, p.end])
+            .collect();
+        let found = output_only_within(&vibration, &rests, stop)?;
         let advice = advice(&found.modes)?;
         let printer = axis::of(path, &vibration);
         Ok(Self {
             recording: recording.name.clone(),
+            mixed_rates: recording
+                .channel(vibration.role)
+                .and_then(|own| mixed_rates(&own.time)),
             vibration,
             found,
             advice,
@@ -122,58 +172,6 @@ impl Alone {
     pub fn shaped_for(&self) -> Vec<UncertainMode> {
         shaped_for(&self.found.modes)
     }
-
-    /// Remarks on facts that the table does not show.
-    pub fn remarks(&self) -> Vec<String> {
-        let found = &self.found;
-        let [from, until] = found.stretches[0];
-        let more = match found.stretches.len() {
-            1 => String::new(),
-            n => format!(" and in {} more like it", n - 1),
-        };
-        let role = self.vibration.role;
-        let percent = 100.0 * found.explained;
-        let mut remarks = vec![match found.excitation {
-            Excitation::Decay => format!(
-                "{role} decays freely from {from:.3} s to {until:.3} s{more}; the modes are {percent:.1} % of its variance there."
-            ),
-            Excitation::Sweep { from, to } => format!(
-                "{role} was excited by a sweep from {from:.1} to {to:.1} Hz; the modes explain {percent:.1} % of how its \
-                 spectrum varies."
-            ),
-            Excitation::Work => format!(
-                "{role} vibrates throughout, as of a machine at work: the excitation is taken as broad; the modes explain \
-                 {percent:.1} % of how its spectrum varies."
-            ),
-        }];
-        if self.vibration.used < 1.0 {
-            remarks.push(format!(
-                "Only the longest stretch without a hole is used, {:.0} % of the samples.",
-                100.0 * self.vibration.used
-            ));
-        }
-        remarks.extend(found.modes.iter().filter_map(dependence));
-        let slowest = found.modes.first().map(|mode| mode.known.mode.hertz());
-        remarks.extend(slowest.and_then(words::slow));
-        remarks
-    }
-}
-
-/// A sentence on a mode whose frequency depends on the amplitude.
-fn dependence(mode: &FoundMode) -> Option<String> {
-    let shift = mode.frequency_shift;
-    // Two standard deviations: 5 % by chance.
-    if shift == 0.0 || shift.abs() < 2.0 * mode.frequency_shift_std {
-        return None;
-    }
-    let hertz = mode.known.mode.hertz();
-    let ratio = mode.known.mode.damping_ratio();
-    Some(format!(
-        "The frequency depends on the amplitude: {:.3} Hz at the start of the decay and {hertz:.3} Hz at its end; the \
-         damping ratio goes from {:.4} to {ratio:.4}. It is one mode.",
-        hertz * (1.0 + shift),
-        ratio + mode.damping_shift,
-    ))
 }
 
 /// Modes with more than the acceptable residual when unshaped, each with the spread that its amplitude causes.

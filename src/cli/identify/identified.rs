@@ -34,6 +34,9 @@ impl Identified {
         registration: TipRegistration,
         stop: Stop,
     ) -> Result<Self, CliError> {
+        for (_, recording) in &recordings {
+            alone::refuse_rigid(recording)?;
+        }
         let driven = match recordings.as_slice() {
             [] => return Err(CliError::input("no recording was given")),
             [(_, one)] => !alone::is_alone(one),

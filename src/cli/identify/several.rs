@@ -3,7 +3,7 @@
 use super::alone::{self, Alone};
 use super::printer::{self, Tuned};
 use crate::cli::CliError;
-use crate::identification::output_only::{Excitation, FoundMode};
+use crate::identification::output_only::{Excitation, FoundMode, LeftOut, Reason};
 use crate::identification::stop::Stop;
 use crate::recording::Recording;
 use serde_json::{Value, json};
@@ -67,6 +67,7 @@ pub fn document(all: &[Alone], tuned: &[Tuned]) -> Value {
             "stretches_s": one.found.stretches,
             "explained": one.found.explained,
             "modes": one.found.modes.iter().map(mode_document).collect::<Vec<_>>(),
+            "left_out": one.found.left_out.iter().map(left_out_document).collect::<Vec<_>>(),
             "recommended": advice,
             "remarks": one.remarks(),
         })
@@ -105,5 +106,20 @@ fn mode_document(mode: &FoundMode) -> Value {
         "frequency_shift": mode.frequency_shift,
         "frequency_shift_std": mode.frequency_shift_std,
         "damping_shift": mode.damping_shift,
+    })
+}
+
+fn left_out_document(one: &LeftOut) -> Value {
+    let (reason, order, of) = match one.reason {
+        Reason::Distortion { order, of } => ("distortion", Some(order), Some(of)),
+        Reason::Beside { of } => ("beside", None, Some(of)),
+        Reason::Undamped => ("undamped", None, None),
+    };
+    json!({
+        "frequency_hz": one.hertz,
+        "amplitude_share": one.share,
+        "reason": reason,
+        "order": order,
+        "of_hz": of,
     })
 }

@@ -3,6 +3,7 @@
 use super::{Findings, registrations};
 use crate::identification::{Identification, Recommended, Run, Stretch, Why};
 use crate::page::{decimals_beside, fixed};
+use crate::recording::Role;
 use quell_shapers::UncertainMode;
 
 /// `decay 0.39-2.00s`: the data of a run's off-line references.
@@ -77,7 +78,7 @@ pub fn slow(hertz: f64) -> Option<String> {
 /// All remarks that are not in a table.
 pub fn remarks(findings: &Findings) -> Vec<String> {
     let found = &findings.found;
-    let mut remarks = Vec::new();
+    let mut remarks = Vec::from_iter(motor_side(findings.series.motor_side));
     match (found.best_decay, found.known_input_holds) {
         (None, _) => remarks.push(format!(
             "The motor side never rests long enough for a free decay. With its motion as known \
@@ -115,6 +116,20 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
     }
     remarks.extend(registrations::remarks(&findings.registered));
     remarks
+}
+
+/// A sentence if the motor side's position was not measured.
+fn motor_side(role: Role) -> Option<String> {
+    match role {
+        Role::MotorVelocity => {
+            Some("The motor side's motion is the integral of motor_velocity.".into())
+        }
+        Role::CommandPosition => Some(
+            "The motor side's motion is taken to be command_position: a servo that lags behind it shows in the mode."
+                .into(),
+        ),
+        _ => None,
+    }
 }
 
 /// The part of a long recording that was analysed.

@@ -24,7 +24,7 @@ pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
             "the unit {unit} is not one of {role}: kept as it is"
         ));
     }
-    clock(health, &mut remarks);
+    clock(&channel.time, health, &mut remarks);
     for (index, column) in health.columns.iter().enumerate() {
         let name = match health.columns.len() {
             1 => String::new(),
@@ -39,7 +39,17 @@ pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
     remarks
 }
 
-fn clock(health: &Health, remarks: &mut Vec<String>) {
+/// A sentence, without a full stop, on stamps whose usual distance is not that of as many samples a second.
+pub fn mixed_rates(time: &[f64]) -> Option<String> {
+    let clock = super::clock::clock(time);
+    let (usual, mean) = clock.rate().zip(clock.mean_rate())?;
+    let differ = (mean / usual - 1.0).abs() > JITTER && !matches!(clock.gaps[..], [_]);
+    differ.then(|| {
+        format!("its stamps are mostly {usual:.2} Hz apart, but it has {mean:.2} samples a second")
+    })
+}
+
+fn clock(time: &[f64], health: &Health, remarks: &mut Vec<String>) {
     let clock = &health.clock;
     if clock.samples == 1 {
         remarks.push("it has one sample only".into());
@@ -59,14 +69,7 @@ fn clock(health: &Health, remarks: &mut Vec<String>) {
             plain(first.until)
         ));
     }
-    if let Some((usual, mean)) = clock.rate().zip(clock.mean_rate())
-        && (mean / usual - 1.0).abs() > JITTER
-        && !matches!(clock.gaps[..], [_])
-    {
-        remarks.push(format!(
-            "its stamps are mostly {usual:.2} Hz apart, but it has {mean:.2} samples a second"
-        ));
-    }
+    remarks.extend(mixed_rates(time));
     if clock.jitter > JITTER * clock.period {
         remarks.push(format!(
             "the clock jitters by {:.1} % of its period (root mean square; worst {:.1} %)",

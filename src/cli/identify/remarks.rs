@@ -1,0 +1,83 @@
+//! Remarks on modes without a known input: facts that the table does not show.
+
+use super::alone::Alone;
+use super::words;
+use crate::identification::output_only::{Excitation, FoundMode, LeftOut, Reason};
+
+impl Alone {
+    /// Remarks on facts that the table does not show.
+    pub fn remarks(&self) -> Vec<String> {
+        let found = &self.found;
+        let [from, until] = found.stretches[0];
+        let more = match found.stretches.len() {
+            1 => String::new(),
+            n => format!(" and in {} more like it", n - 1),
+        };
+        let role = self.vibration.role;
+        let percent = 100.0 * found.explained;
+        let mut remarks = vec![match found.excitation {
+            Excitation::Decay => format!(
+                "{role} decays freely from {from:.3} s to {until:.3} s{more}; the modes are {percent:.1} % of its variance there."
+            ),
+            Excitation::Sweep { from, to } => format!(
+                "{role} was excited by a sweep from {from:.1} to {to:.1} Hz; the modes explain {percent:.1} % of how its \
+                 spectrum varies."
+            ),
+            Excitation::Work => format!(
+                "{role} vibrates throughout, as of a machine at work: the excitation is taken as broad; the modes explain \
+                 {percent:.1} % of how its spectrum varies."
+            ),
+        }];
+        if self.vibration.used < 1.0 {
+            remarks.push(format!(
+                "Only the longest stretch without a hole is used, {:.0} % of the samples.",
+                100.0 * self.vibration.used
+            ));
+        }
+        remarks.extend(
+            self.mixed_rates
+                .iter()
+                .map(|remark| format!("{role}: {remark}.")),
+        );
+        remarks.extend(found.left_out.iter().map(left_out));
+        remarks.extend(found.modes.iter().filter_map(dependence));
+        let slowest = found.modes.first().map(|mode| mode.known.mode.hertz());
+        remarks.extend(slowest.and_then(words::slow));
+        remarks
+    }
+}
+
+/// A sentence on a mode whose frequency depends on the amplitude.
+fn dependence(mode: &FoundMode) -> Option<String> {
+    let shift = mode.frequency_shift;
+    // Two standard deviations: 5 % by chance.
+    if shift == 0.0 || shift.abs() < 2.0 * mode.frequency_shift_std {
+        return None;
+    }
+    let hertz = mode.known.mode.hertz();
+    let ratio = mode.known.mode.damping_ratio();
+    Some(format!(
+        "The frequency depends on the amplitude: {:.3} Hz at the start of the decay and {hertz:.3} Hz at its end; the \
+         damping ratio goes from {:.4} to {ratio:.4}. It is one mode.",
+        hertz * (1.0 + shift),
+        ratio + mode.damping_shift,
+    ))
+}
+
+/// A sentence on what was fitted and is no mode of its own.
+fn left_out(one: &LeftOut) -> String {
+    let (hertz, percent) = (one.hertz, 100.0 * one.share);
+    let what = format!("Left out: {hertz:.3} Hz with {percent:.1} % of the amplitude");
+    match one.reason {
+        Reason::Distortion { order, of } => format!(
+            "{what}. Its frequency and phase are {order} times those of {of:.3} Hz, and it decays as fast or faster: a nonlinear sensor or spring \
+             makes it of that mode."
+        ),
+        Reason::Beside { of } => format!(
+            "{what}. It lies within the width of {of:.3} Hz, and may be how that mode departs from an exponential decay."
+        ),
+        Reason::Undamped => format!(
+            "{what}. Its damping is not told from zero, as that of a motor's or the mains' hum: it is no free decay."
+        ),
+    }
+}
