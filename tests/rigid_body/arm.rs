@@ -31,6 +31,8 @@ pub struct Hidden {
     pub friction: [f64; 2],
     /// A point mass at the end of the second link, kg, and how far it is from the elbow, m.
     pub payload: [f64; 2],
+    /// Whether there are no rotors.
+    pub no_rotors: bool,
     /// Torque at the elbow for the acceleration of the shoulder, N.m.s^2/rad.
     pub coupling: f64,
 }
@@ -73,9 +75,10 @@ fn equations(q: [f64; 2], v: [f64; 2], hidden: &Hidden) -> ([[f64; 2]; 2], [f64;
     let g2 = moment * G * (q[0] + q[1]).cos();
     let g1 = (M1 * C1 + mass * L1) * G * q[0].cos() + g2;
     let bias = [h * v[1] * (2.0 * v[0] + v[1]) + g1, -h * v[0] * v[0] + g2];
+    let rotors = if hidden.no_rotors { [0.0; 2] } else { ROTORS };
     let matrix = [
-        [m11 + ROTORS[0], m12],
-        [m12 + hidden.coupling, m22 + ROTORS[1]],
+        [m11 + rotors[0], m12],
+        [m12 + hidden.coupling, m22 + rotors[1]],
     ];
     (matrix, bias)
 }

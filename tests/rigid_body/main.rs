@@ -158,6 +158,60 @@ fn what_the_description_lacks_is_told_as_such() {
     }
 }
 
+/// A description with the whole inertia, of joints without rotors; and why a joint that hardly moves has no model.
+#[test]
+fn an_exact_description_is_diagnosed_and_a_joint_at_rest_is_told_as_such() {
+    let hidden = Hidden {
+        no_rotors: true,
+        friction: [1.5, 0.8],
+        ..Hidden::default()
+    };
+    let (overview, folder) = diagnosed(&hidden, 4);
+    for name in ["shoulder", "elbow"] {
+        let own = joint(&overview, name);
+        let friction = serde_json::json!(["coulomb_friction"]);
+        assert_eq!(own["findings"], friction, "{overview:#}");
+    }
+    let file = folder.path().join("arm.csv");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let rest = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let elbow = if cells[2] == "q2" { "q2" } else { "0.7" };
+        [cells[0], cells[1], elbow, cells[3], cells[4]].join(",")
+    };
+    let lines: Vec<String> = text.lines().map(rest).collect();
+    std::fs::write(&file, lines.join("\n") + "\n").unwrap();
+    let mut quell = Command::cargo_bin("quell").unwrap();
+    let quell = quell.current_dir(folder.path());
+    let output = quell
+        .args([
+            "diagnose", "--robot", "two.urdf", ".", "--out", "rest", "-q",
+        ])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stdout).into_owned()
+        + &String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("it hardly moves in the recording"), "{said}");
+    assert!(!said.contains("no torque"), "{said}");
+}
+
+/// A heavy payload, whose inertia is as large as the link's own, is told with its lever, and no coupling with it.
+#[test]
+fn a_heavy_payload_is_told_with_its_lever() {
+    let hidden = Hidden {
+        payload: [1.5, 0.8],
+        friction: [1.5, 0.8],
+        ..Hidden::default()
+    };
+    let (overview, _) = diagnosed(&hidden, 5);
+    let recording = &overview["recordings"][0];
+    let payload = &recording["payload"];
+    let number = |at: &str| payload.pointer(at).and_then(Value::as_f64).unwrap();
+    assert!((number("/mass_kg") - 1.5).abs() < 0.05, "{payload}");
+    assert!((number("/centre_m/0") - 0.8).abs() < 0.02, "{payload}");
+    assert_eq!(recording["couplings"], serde_json::json!([]), "{recording}");
+}
+
 #[test]
 fn what_does_not_suit_is_refused_with_the_joint() {
     let folder = tempfile::tempdir().unwrap();

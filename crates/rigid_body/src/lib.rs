@@ -15,4 +15,4 @@ pub use course::Course;
 pub use dynamics::Dynamics;
 pub use payload::{Payload, payload};
 pub use robot::{Joint, Robot, RobotError};
-pub use rotor::rotor;
+pub use rotor::{Unseen, rotor};

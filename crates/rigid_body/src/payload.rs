@@ -3,14 +3,17 @@
 use super::contradiction::{BLOCKS, Own, Rows};
 use super::dynamics::Dynamics;
 use super::robot::Robot;
-use nalgebra::{DMatrix, DVector, Matrix3, Point3};
+use nalgebra::{DMatrix, DVector, Matrix3, Point3, Vector3};
 use quell_signal::Body;
 
 /// Values of F that one in a thousand exceeds by chance, for 1 to 4 parameters and 20 blocks (tables of the F
 /// distribution: 1 and 19 degrees of freedom, 2 and 18, 3 and 17, 4 and 16).
 const CHANCE: [f64; 4] = [15.08, 10.39, 8.73, 7.94];
-/// Corrections after the first estimate: a point's inertia is of second order in its lever.
-const CORRECTIONS: usize = 4;
+/// Most corrections after the first estimate, and most halvings of one; the fits here end after three to six.
+const CORRECTIONS: usize = 20;
+const HALVINGS: usize = 10;
+/// Fall of twice the negative logarithm of the likelihood at convergence: a hundredth of one chi-squared.
+const ENDED: f64 = 0.01;
 
 /// A point mass on the last link that the description does not have; below 0 the link is lighter than that.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +46,7 @@ impl Payload {
 /// chance: none where no torque was measured, or what is there is explained without.
 ///
 /// Weighted least squares of the joints' torques over the parameters, the inertia of a rotor, an offset and any friction of
-/// each joint left free.
+/// each joint left free: linear at first, without the point's second moment, then by Gauss and Newton's method with it.
 ///
 /// Source: Khalil, Gautier, Lemoine, Identification of the payload inertial parameters of industrial manipulators, IEEE
 /// ICRA (2007); Hotelling's test for the whole.
@@ -54,31 +57,68 @@ pub fn payload(robot: &Robot) -> Option<Payload> {
         .filter_map(|own| Rows::of(robot, own, Own::Friction))
         .collect();
     let scale = scale(robot, &rows, joint)?;
-    let columns = |own| columns(robot, own, joint, &scale);
-    let columns: Vec<_> = rows.iter().map(columns).collect();
-    let mut parameters = DVector::zeros(4);
-    let mut first = None;
-    for _ in 0..=CORRECTIONS {
-        let body = point(joint, &parameters);
-        let dynamics =
-            body.map_or_else(|| robot.dynamics.clone(), |body| robot.dynamics.with(body));
-        let sums = Sums::of(&rows, &columns, &dynamics);
-        let step = sums.solved()?;
-        parameters += step.parameters.component_mul(&scale);
-        first.get_or_insert(step);
-    }
-    let first = first?;
-    let certain = first.is_no_chance();
-    let body = point(joint, &parameters).filter(|_| certain)?;
+    let step = |at: &DVector<f64>| {
+        let centre = point(joint, at).map_or_else(Vector3::zeros, |body| body.centre.coords);
+        let of = |own| columns(robot, own, (joint, centre), &scale);
+        let columns: Vec<_> = rows.iter().map(of).collect();
+        Sums::of(&rows, &columns, &carrying(robot, joint, at)).solved()
+    };
+    let cost = |at: &DVector<f64>| cost(&rows, &carrying(robot, joint, at));
+    let first = step(&DVector::zeros(4)).filter(Step::is_no_chance)?;
+    let start = first.parameters.component_mul(&scale);
+    let (at, mass_std) = corrected(start, first.mass_std, &scale, step, cost);
+    let body = point(joint, &at)?;
     let axis = robot.dynamics.joints()[joint].axis;
     let centre = body.centre.coords;
     Some(Payload {
         joint,
         mass: body.mass,
-        mass_std: first.mass_std * scale[0],
+        mass_std: mass_std * scale[0],
         centre: body.centre,
         lever: (centre - axis.into_inner() * axis.dot(&centre)).norm(),
     })
+}
+
+/// The parameters from which no step goes further down, and the deviation of the mass there in units of its scale.
+fn corrected(
+    mut at: DVector<f64>,
+    mut mass_std: f64,
+    scale: &DVector<f64>,
+    step: impl Fn(&DVector<f64>) -> Option<Step>,
+    cost: impl Fn(&DVector<f64>) -> f64,
+) -> (DVector<f64>, f64) {
+    let mut now = cost(&at);
+    for _ in 0..CORRECTIONS {
+        let Some(next) = step(&at) else { break };
+        mass_std = next.mass_std;
+        let by = next.parameters.component_mul(scale);
+        let shorter = (0..HALVINGS).map(|k| &at + &by * 0.5_f64.powi(k as i32));
+        let better = shorter
+            .map(|to| (cost(&to), to))
+            .find(|(left, _)| *left < now);
+        let Some((left, to)) = better else { break };
+        let fall = now - left;
+        (now, at) = (left, to);
+        if fall < ENDED {
+            break;
+        }
+    }
+    (at, mass_std)
+}
+
+/// The description with the point of these parameters.
+fn carrying(robot: &Robot, joint: usize, parameters: &DVector<f64>) -> Dynamics {
+    let body = point(joint, parameters);
+    body.map_or_else(|| robot.dynamics.clone(), |body| robot.dynamics.with(body))
+}
+
+/// Twice the negative logarithm of the likelihood of what is left, each joint's noise being what is left of it.
+fn cost(rows: &[Rows], dynamics: &Dynamics) -> f64 {
+    let of = |own: &Rows| {
+        let left = own.left(dynamics);
+        left.len() as f64 * left.norm_squared().max(f64::MIN_POSITIVE).ln()
+    };
+    rows.iter().map(of).sum()
 }
 
 /// The body of a mass and a first moment.
@@ -193,36 +233,40 @@ impl Sums {
     }
 }
 
-/// The torque at a joint for a unit of mass, and of first moment along each axis, but for what the joint's own physics may
-/// be.
-fn columns(robot: &Robot, rows: &Rows, joint: usize, scale: &DVector<f64>) -> Vec<DVector<f64>> {
-    let unit = |mass: f64, moment: [f64; 3]| {
-        // A pair of masses at the ends of a short rod has a first moment and, in the limit, no second one.
-        let body = |mass: f64, sign: f64| Body {
-            joint,
-            mass,
-            centre: Point3::from(moment.map(|own| sign * own)),
-            inertia: Matrix3::zeros(),
-        };
-        let masses = match mass > 0.0 {
-            true => vec![body(mass, 0.0)],
-            false => vec![body(0.5, 1.0), body(-0.5, -1.0)],
-        };
-        let parts: Vec<Dynamics> = masses
-            .into_iter()
-            .map(|own| robot.dynamics.of_body(own))
-            .collect();
+/// The torque at a joint for a unit of mass, and of first moment along each axis, of a point that is at a centre already,
+/// but for what the joint's own physics may be. Its second moment is `h h^T / m`: it changes by `-c c^T` for a unit of
+/// mass, and by `e c^T + c e^T` for one of first moment along `e`.
+fn columns(
+    robot: &Robot,
+    rows: &Rows,
+    (joint, centre): (usize, Vector3<f64>),
+    scale: &DVector<f64>,
+) -> Vec<DVector<f64>> {
+    let body = |mass: f64, centre: Vector3<f64>, second: Matrix3<f64>| Body {
+        joint,
+        mass,
+        centre: Point3::from(centre),
+        inertia: Matrix3::identity() * second.trace() - second,
+    };
+    let unit = |bodies: Vec<Body>| {
+        let bodies = bodies.into_iter();
+        let parts: Vec<Dynamics> = bodies.map(|own| robot.dynamics.of_body(own)).collect();
         let of = |[q, rate, acceleration]: &[Vec<f64>; 3]| -> f64 {
             let own = |part: &Dynamics| part.torques(q, rate, acceleration)[rows.joint];
             parts.iter().map(own).sum()
         };
         DVector::from_iterator(rows.time.len(), rows.states.iter().map(of))
     };
-    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let mut columns = vec![unit(1.0, [0.0; 3])];
-    columns.extend(axes.map(|axis| unit(0.0, axis)));
-    let scaled = columns.into_iter().zip(scale.iter());
-    scaled
+    // A pair of masses at the ends of a rod has a first moment and no second one, but for what is added.
+    let pair = |axis: Vector3<f64>| {
+        let second = axis * centre.transpose() + centre * axis.transpose();
+        vec![body(0.5, axis, second), body(-0.5, -axis, Matrix3::zeros())]
+    };
+    let mass = body(1.0, Vector3::zeros(), -centre * centre.transpose());
+    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let columns = [vec![mass]].into_iter().chain(axes.map(pair)).map(unit);
+    columns
+        .zip(scale.iter())
         .map(|(column, scale)| rows.without_own(column * *scale))
         .collect()
 }

@@ -131,16 +131,25 @@ fn model(args: &Args, train: &[Prepared], joint: &str) -> Result<Result<Model, S
     });
     let first = train.iter().find_map(|own| own.beside(joint));
     let Some(file) = given.filter(|file| file.is_file() || !in_folder(args)) else {
-        let believed = train.iter().find_map(|own| own.believed(joint));
-        let why =
-            "it has no torque in the recording, or hardly moves: give its model with --model DIR";
-        return Ok(believed.ok_or_else(|| why.into()));
+        return Ok(believed(train, joint));
     };
     let mut model = Model::from_path(&file).map_err(CliError::input)?;
     if let Some(beside) = first {
         at_inertia(&mut model, beside.inertia);
     }
     Ok(Ok(model))
+}
+
+/// The rigid axis that the first recording tells with a torque; otherwise why the last one does not.
+fn believed(train: &[Prepared], joint: &str) -> Result<Model, String> {
+    let mut why = "the recording does not have it".to_string();
+    for own in train {
+        match own.believed(joint) {
+            Ok(model) => return Ok(model),
+            Err(reason) => why = reason,
+        }
+    }
+    Err(format!("{why}: give its model with --model DIR"))
 }
 
 fn in_folder(args: &Args) -> bool {

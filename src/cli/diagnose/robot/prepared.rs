@@ -11,7 +11,8 @@ use crate::signal::{JointKind, Tree};
 use nalgebra::Vector3;
 use std::path::Path;
 
-/// Least inertia of a rotor, as a share of the links' inertia, if the torques show none: negligibly small.
+/// Least inertia of a rotor, as a share of the links' inertia, if the torques show none, or less than none:
+/// negligibly small.
 const LEAST: f64 = 1e-3;
 
 /// A recording, and the comparison of its torques with the description.
@@ -67,15 +68,18 @@ impl Prepared {
         }
     }
 
-    /// A rigid axis with the friction of the description, if its torque was measured.
-    pub fn believed(&self, joint: &str) -> Option<Model> {
-        let own = self.robot.joints.iter().find(|own| own.name == joint)?;
-        let seen = self.beside(joint)?.inertia;
-        let mass = rotor(&self.robot, &self.dynamics, own).map(|mass| mass.max(LEAST * seen))?;
+    /// A rigid axis with the friction of the description; if its torque tells none, the reason in words.
+    pub fn believed(&self, joint: &str) -> Result<Model, String> {
+        let absent = || "the recording does not have it".to_string();
+        let mut joints = self.robot.joints.iter();
+        let own = joints.find(|own| own.name == joint).ok_or_else(absent)?;
+        let seen = self.beside(joint).ok_or_else(absent)?.inertia;
+        let slope = rotor(&self.robot, &self.dynamics, own).map_err(|why| why.to_string())?;
+        let [mass, std] = [slope, slope.abs()].map(|own| own.max(LEAST * seen));
         let described = &self.robot.dynamics.joints()[own.index];
         // The torque gives the rotor's inertia within a factor; the fit determines the rest.
         let mut text =
-            format!("kind = \"inverse_dynamics\"\nmass = {{ value = {mass}, std = {mass} }}\n");
+            format!("kind = \"inverse_dynamics\"\nmass = {{ value = {mass}, std = {std} }}\n");
         if described.damping > 0.0 {
             text += &format!("viscous = {}\n", described.damping);
         }
@@ -85,7 +89,7 @@ impl Prepared {
                 described.friction
             );
         }
-        Model::from_toml(&text, joint).ok()
+        Model::from_toml(&text, joint).map_err(|error| error.to_string())
     }
 
     /// Remarks on the whole robot, from the recording against its description.
