@@ -264,3 +264,127 @@ fn a_trace_of_a_drive_and_an_older_code_of_letters_are_understood() {
         );
     }
 }
+
+#[test]
+fn a_cell_that_is_no_number_is_named_with_its_line() {
+    for cell in ["ERR", "inf"] {
+        let line = |k: usize| match k {
+            50 => format!("{},{cell}\n", k as f64 / 1000.0),
+            _ => format!("{},{:.5}\n", k as f64 / 1000.0, decay(k as f64 / 1000.0)),
+        };
+        let folder = write("run.csv", &("time_s,acc_g\n".to_owned() + &rows(line)));
+        let proposal = &json("inspect", Path::new("run.csv"), &folder)["proposal"];
+        let open = proposal["not_certain"].to_string();
+        assert!(
+            open.contains(cell) && open.contains("line 52") && open.contains("acc_g"),
+            "{open}"
+        );
+        let text = proposal["manifests"][0]["text"].as_str().unwrap();
+        assert!(text.contains("role = \"tip_acceleration\""), "{text}");
+    }
+    // The usual null of a data base is a sample that is missing.
+    let line = |k: usize| match k {
+        50 => "0.05,NULL\n".into(),
+        _ => format!("{},{:.5}\n", k as f64 / 1000.0, decay(k as f64 / 1000.0)),
+    };
+    let folder = write("run.csv", &("time_s,acc_g\n".to_owned() + &rows(line)));
+    json("identify", Path::new("run.csv"), &folder);
+    // A last line that is cut off has its own number.
+    let mut text = "time_s,acc_g\n".to_owned()
+        + &rows(|k| format!("{},{:.5}\n", k as f64 / 1000.0, decay(k as f64 / 1000.0)));
+    let lines = text.lines().count();
+    text += "9.9";
+    let folder = write("run.csv", &text);
+    let mut command = Command::cargo_bin("quell").unwrap();
+    let command = command
+        .current_dir(folder.path())
+        .args(["identify", "run.csv"]);
+    let stderr = command.assert().code(2).get_output().stderr.clone();
+    let stderr = String::from_utf8_lossy(&stderr).into_owned();
+    assert!(
+        stderr.contains(&format!("run.csv:{}", lines + 1)),
+        "{stderr}"
+    );
+}
+
+#[test]
+fn columns_without_names_get_blocks_to_fill_in() {
+    let line = |k: usize| {
+        format!(
+            "{},{:.5},{},{}\n",
+            k as f64 / 1000.0,
+            decay(k as f64 / 1000.0),
+            k % 7,
+            k % 5
+        )
+    };
+    let folder = write("run.csv", &("t,x,y,z\n".to_owned() + &rows(line)));
+    let found = json("inspect", Path::new("run.csv"), &folder);
+    let text = found["proposal"]["manifests"][0]["text"].as_str().unwrap();
+    assert_eq!(
+        text.matches("# [[channel]]\n# role = \"\"\n").count(),
+        3,
+        "{text}"
+    );
+    assert!(
+        found["proposal"]["not_certain"]
+            .to_string()
+            .contains("fill in"),
+        "{found}"
+    );
+    let filled = text
+        .replace(
+            "# [[channel]]\n# role = \"\"",
+            "[[channel]]\nrole = \"deformation\"",
+        )
+        .replace("# file", "file")
+        .replace("# time", "time")
+        .replace("# column", "column")
+        .replace("# unit = \"\"", "unit = \"mm\"");
+    let one = filled
+        .split("\n[[channel]]")
+        .take(2)
+        .collect::<Vec<_>>()
+        .join("\n[[channel]]");
+    std::fs::write(folder.path().join("recording.toml"), one).unwrap();
+    json("identify", Path::new("recording.toml"), &folder);
+}
+
+#[test]
+fn utf_16_is_read_and_a_spectrum_of_klippers_is_refused() {
+    let text = "Zeit;a [g]\n".to_owned()
+        + &rows(|k| {
+            format!("{:.3};{:.5}\n", k as f64 / 1000.0, decay(k as f64 / 1000.0)).replace('.', ",")
+        });
+    for mark in [0xfeff_u16.to_le_bytes(), 0xfeff_u16.to_be_bytes()] {
+        let swap = mark == 0xfeff_u16.to_be_bytes();
+        let units = text.encode_utf16().map(|unit| {
+            if swap {
+                unit.to_be_bytes()
+            } else {
+                unit.to_le_bytes()
+            }
+        });
+        let bytes: Vec<u8> = mark.into_iter().chain(units.flatten()).collect();
+        let folder = write("run.csv", "");
+        std::fs::write(folder.path().join("run.csv"), bytes).unwrap();
+        json("identify", Path::new("run.csv"), &folder);
+    }
+    for head in [
+        "freq,psd_x,psd_y,psd_z,psd_xyz",
+        "freq,psd_x,psd_y,psd_z,psd_xyz,zv(57.8),mzv(34.8)",
+    ] {
+        let cells = ",1.5e3".repeat(head.matches(',').count());
+        let folder = write(
+            "resonances_x_1.csv",
+            &(head.to_owned() + "\n" + &rows(|k| format!("{k}{cells}\n"))),
+        );
+        let mut command = Command::cargo_bin("quell").unwrap();
+        let command = command
+            .current_dir(folder.path())
+            .args(["identify", "resonances_x_1.csv"]);
+        let stderr = command.assert().code(2).get_output().stderr.clone();
+        let stderr = String::from_utf8_lossy(&stderr).into_owned();
+        assert!(stderr.contains("raw_data_x_"), "{stderr}");
+    }
+}

@@ -109,6 +109,10 @@ fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
             let figures: Vec<Health> = recording.channels.iter().map(health).collect();
             (page(recording, &figures), document(recording, &figures))
         }
+        Err(error) if written.is_empty() => (
+            "It cannot be read yet: it has no [[channel]]\n".into(),
+            json!({"refused": error.to_string()}),
+        ),
         Err(error) => (
             format!("It cannot be read yet: {error}\n"),
             json!({"refused": error.to_string()}),

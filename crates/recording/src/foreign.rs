@@ -61,6 +61,12 @@ pub const FOREIGN: &[Foreign] = &[
         endings: &["npy", "npz"],
         magic: &[b"\x93NUMPY"],
     },
+    Foreign {
+        name: "a spectrum that Klipper computed, without the samples",
+        remedy: "give the raw data instead, raw_data_x_*.csv, which TEST_RESONANCES AXIS=X OUTPUT=raw_data writes",
+        endings: &[],
+        magic: &[b"freq,psd_x,", b"#freq,psd_x,", b"freq, psd_x,"],
+    },
 ];
 
 impl Foreign {

@@ -240,6 +240,15 @@ impl Table {
         self.at_cell(problem(text), line, &self.header[column])
     }
 
+    /// The place of a row, counted from 0 below the header, in words; in a Parquet file it has no line.
+    pub(super) fn place(&self, row: usize, column: usize) -> String {
+        let problem = |text| Problem::NotANumber { text };
+        match self.at_row(row, column, problem).place.line {
+            Some(line) => format!("line {line}"),
+            None => format!("row {row}"),
+        }
+    }
+
     /// A problem at a cell: with its line, or in a Parquet file with its row.
     fn at_cell(&self, problem: Problem, line: usize, column: &str) -> RecordingError {
         let mut error = problem.at_cell(&self.path, line, column);

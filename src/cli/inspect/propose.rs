@@ -69,6 +69,12 @@ fn own_name(path: &Path, manifests: &mut [Proposed]) {
 }
 
 impl Written {
+    /// Whether the first manifest has no channel: its columns cannot be named.
+    pub fn is_empty(&self) -> bool {
+        let first = self.manifests.first();
+        first.is_some_and(|(_, first)| !first.text.lines().any(|line| line == "[[channel]]"))
+    }
+
     /// The first manifest with its content, the names of the others, and the uncertain entries.
     pub fn text(&self) -> String {
         let Some((path, first)) = self.manifests.first() else {

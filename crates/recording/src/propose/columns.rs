@@ -4,7 +4,7 @@ use super::super::role::Role;
 use super::super::unit::Dimension;
 use super::Guess;
 use super::clock::Clock;
-use super::content::Content;
+use super::content::{Column, Content};
 use super::name;
 
 /// Standard acceleration of free fall, m/s^2.
@@ -12,6 +12,9 @@ const G_N: f64 = 9.80665;
 /// Largest relative difference of an accelerometer's mean at rest from that: its offset, and the tilt of the
 /// other axes.
 const OFFSET: f64 = 0.05;
+/// Most columns that are asked for, and most letters of a cell that are shown.
+pub const MOST_ASKED: usize = 12;
+const LONGEST: usize = 24;
 
 /// A proposed channel.
 pub struct Channel {
@@ -43,7 +46,8 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
         if clock.has(index) || tests == Some(index) {
             continue;
         }
-        if !column.is_numeric() || column.name.is_count() || column.name.is_time() {
+        let is_read = column.is_numeric() || column.is_mostly_numeric();
+        if !is_read || column.name.is_count() || column.name.is_time() {
             channels.unused.push(index);
             continue;
         }
@@ -61,18 +65,34 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
         }
     }
     channels.alone();
+    channels.open.extend(content.columns.iter().filter_map(bad));
     if channels.found.is_empty() {
-        let rest = channels
-            .unused
-            .iter()
-            .take(12)
-            .map(|&index| content.columns[index].title.as_str());
-        let names: Vec<&str> = rest.collect();
-        channels
-            .open
-            .push(format!("which columns are meant of {}", names.join(", ")));
+        let rest = channels.unused.iter().take(MOST_ASKED);
+        let names: Vec<&str> = rest
+            .map(|&index| content.columns[index].title.as_str())
+            .collect();
+        channels.open.push(format!(
+            "which columns are meant of {}: fill in a [[channel]] block of the manifest for each",
+            names.join(", ")
+        ));
     }
     channels
+}
+
+/// A sentence on the first cell that is no number in a column of numbers.
+fn bad(column: &Column) -> Option<String> {
+    let bad = column.bad.as_ref().filter(|_| column.is_mostly_numeric())?;
+    let text: String = bad.text.chars().take(LONGEST).collect();
+    let (place, title, others) = (&bad.place, &column.title, column.texts - 1);
+    let more = match others {
+        0 => String::new(),
+        1 => " and one more like it".into(),
+        n => format!(" and {n} more like it"),
+    };
+    Some(format!(
+        "whether {text:?} in {place} of {title:?}{more} is a sample that is missing: say so with missing = [{text:?}] under \
+         [csv] in the manifest, or mend the file"
+    ))
 }
 
 impl Channels {
@@ -115,7 +135,7 @@ impl Channels {
     fn only_one(&mut self, content: &Content) {
         let numeric = |index: &&usize| {
             let column = &content.columns[**index];
-            column.is_numeric() && !column.name.is_count()
+            (column.is_numeric() || column.is_mostly_numeric()) && !column.name.is_count()
         };
         let mut rest = self.unused.iter().filter(numeric);
         if let (Some(&index), None) = (rest.next(), rest.next()) {

@@ -9,7 +9,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Usual cells for missing values.
-const MISSING: &[&str] = &["", "NaN", "nan", "NAN", "NA", "N/A", "null", "None", "-"];
+const MISSING: &[&str] = &[
+    "", "NaN", "nan", "NAN", "NA", "N/A", "null", "NULL", "None", "-",
+];
 /// Most lines that are read of a known form.
 const HEAD: usize = 400;
 /// Most values of a column that tells tests apart.
@@ -39,10 +41,22 @@ pub struct Column {
     pub numbers: Vec<f64>,
     /// Number of cells that are neither numbers nor missing.
     pub texts: usize,
+    /// The first of these.
+    pub bad: Option<Bad>,
     /// The first cell.
     pub first: String,
     /// Its distinct cells in their order, if there are few.
     pub distinct: Vec<String>,
+}
+
+/// A cell that is neither a number nor missing.
+pub struct Bad {
+    /// Its row, counted from 0 below the header.
+    pub row: usize,
+    /// Its text.
+    pub text: String,
+    /// Its line, or its row in a Parquet file, in words; known of columns that are numbers but for a few cells.
+    pub place: String,
 }
 
 impl Content {
@@ -60,7 +74,10 @@ impl Content {
         if form::of(&text).is_none() {
             return Ok(None);
         }
-        let content = Self::of(path, head.join("\n") + "\n" + last)?;
+        // What is wrong with these lines is told by the whole file, which has its line numbers.
+        let Ok(content) = Self::of(path, head.join("\n") + "\n" + last) else {
+            return Ok(None);
+        };
         let is_known = content.is_klipper() || content.told_rate_hz.is_some();
         Ok(is_known.then_some(content))
     }
@@ -113,6 +130,7 @@ impl Content {
                 }
             }
         }
+        place(&mut columns, table);
         if columns
             .first()
             .is_none_or(|column| column.numbers.is_empty())
@@ -145,6 +163,16 @@ impl Content {
     }
 }
 
+/// Tells where the bad cells of columns of numbers are.
+fn place(columns: &mut [Column], table: &Table) {
+    for (index, column) in columns.iter_mut().enumerate() {
+        let is_wanted = column.is_mostly_numeric();
+        if let Some(bad) = column.bad.as_mut().filter(|_| is_wanted) {
+            bad.place = table.place(bad.row, index);
+        }
+    }
+}
+
 impl Column {
     fn new(called: &str, title: &str) -> Self {
         Self {
@@ -153,6 +181,7 @@ impl Column {
             name: name::parse(title),
             numbers: Vec::new(),
             texts: 0,
+            bad: None,
             first: String::new(),
             distinct: Vec::new(),
         }
@@ -165,7 +194,15 @@ impl Column {
         }
         let number = layout.number(cell).filter(|number| number.is_finite());
         let missing = number.is_none() && MISSING.contains(&cell);
-        self.texts += usize::from(number.is_none() && !missing);
+        if number.is_none() && !missing {
+            self.texts += 1;
+            let (row, text) = (self.numbers.len(), cell);
+            self.bad.get_or_insert_with(|| Bad {
+                row,
+                text: text.into(),
+                place: String::new(),
+            });
+        }
         self.numbers.push(number.unwrap_or(f64::NAN));
         let is_new = self.distinct.last().is_none_or(|last| last != cell);
         if is_new && self.distinct.len() <= MOST_TESTS {
@@ -177,6 +214,12 @@ impl Column {
     /// Whether its cells are numbers, or missing.
     pub fn is_numeric(&self) -> bool {
         self.texts == 0 && self.numbers.iter().any(|number| number.is_finite())
+    }
+
+    /// Whether most cells are numbers, and some are neither numbers nor missing.
+    pub fn is_mostly_numeric(&self) -> bool {
+        let numbers = self.numbers.iter().filter(|number| number.is_finite());
+        self.texts > 0 && numbers.count() > self.texts
     }
 
     /// Whether the numbers of these rows grow from each to the next.

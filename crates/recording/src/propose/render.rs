@@ -1,6 +1,7 @@
 //! A proposal as the text of manifests.
 
 use super::super::layout::Layout;
+use super::super::role::Role;
 use super::super::stamp::TimeUnit;
 use super::clock::{self, Clock};
 use super::columns::{self, Channel, Channels};
@@ -124,6 +125,9 @@ fn manifest(name: String, title: &str, files: &[Read], test: Option<&str>) -> Pr
                 text += &layout("[channel.csv]", "", &file.content.layout, file.only(test));
             }
         }
+        if file.channels.found.is_empty() {
+            text += &to_fill_in(file);
+        }
         let unused: Vec<_> = file
             .channels
             .unused
@@ -242,6 +246,27 @@ fn channel(file: &Read, channel: &Channel) -> String {
         several => writeln!(text, "columns = [{}]{comment}", several.join(", ")),
     };
     text + &key("unit", &quoted(&channel.unit.value), &channel.unit)
+}
+
+/// A block for each column that cannot be named, as comments: role and unit are to be filled in.
+fn to_fill_in(file: &Read) -> String {
+    let mut text = String::from(
+        "\n# The names of the columns do not tell what they mean. Fill in role and unit, and take the marks away. A role is\n\
+         # tip_acceleration, deformation, link_position, motor_position, torque or another one of the reference.\n",
+    );
+    for index in file.channels.unused.iter().take(columns::MOST_ASKED) {
+        let role = Role::Deformation;
+        let block = Channel {
+            role: Guess::known(role),
+            joint: None,
+            columns: vec![*index],
+            unit: Guess::known(String::new()),
+        };
+        let block = channel(file, &block).replacen(role.name(), "", 1);
+        text += &block.replace('\n', "\n# ");
+        text.truncate(text.len() - "# ".len());
+    }
+    text
 }
 
 fn key<T>(key: &str, value: &str, guess: &Guess<T>) -> String {

@@ -52,6 +52,9 @@ pub fn text(path: &Path) -> Result<String, RecordingError> {
     if let Some(format) = crate::foreign::of(path, &bytes) {
         return Err(Problem::Foreign(format).in_file(path));
     }
+    if let Some(text) = utf_16(&bytes) {
+        return text.ok_or_else(|| Problem::NotUtf8.in_file(path));
+    }
     let mut text = String::from_utf8(bytes).or_else(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let refused = Problem::NotUtf8.at_line(path, 1 + count_line_ends(valid));
@@ -61,6 +64,19 @@ pub fn text(path: &Path) -> Result<String, RecordingError> {
         text.drain(..text.len() - marked.len());
     }
     Ok(text)
+}
+
+/// The text of bytes in UTF-16, by its byte order mark, without it; the inner `None` where they are no text.
+fn utf_16(bytes: &[u8]) -> Option<Option<String>> {
+    let unit: fn([u8; 2]) -> u16 = match bytes {
+        [0xff, 0xfe, ..] => u16::from_le_bytes,
+        [0xfe, 0xff, ..] => u16::from_be_bytes,
+        _ => return None,
+    };
+    let pairs = bytes[2..].chunks_exact(2);
+    let is_whole = pairs.remainder().is_empty();
+    let units: Vec<u16> = pairs.map(|pair| unit([pair[0], pair[1]])).collect();
+    Some(String::from_utf16(&units).ok().filter(|_| is_whole))
 }
 
 /// The text of bytes in ISO 8859-1, as written by older tools; `None` for bytes that do not occur in text.
