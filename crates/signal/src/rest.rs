@@ -50,10 +50,19 @@ impl RestRule {
         }
     }
 
-    /// The rule for a recorded position, with its estimated noise and quantisation.
+    /// The rule for a recorded position, with its estimated noise and quantisation. The noise is at least the
+    /// share [`UNSEEN`] of the range.
     pub fn from_values(values: &[f64]) -> Self {
         let floor = noise_floor(values);
-        Self::new(floor.standard_deviation, floor.quantisation.unwrap_or(0.0))
+        let [least, most] = values
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], x| {
+                [least.min(*x), most.max(*x)]
+            });
+        let noise = floor
+            .standard_deviation
+            .max(UNSEEN * (most - least).max(0.0));
+        Self::new(noise, floor.quantisation.unwrap_or(0.0))
     }
 
     /// The displacement that noise alone exceeds once in 1.7 million samples: 5 standard deviations of a
@@ -62,6 +71,10 @@ impl RestRule {
         5.0 * 2f64.sqrt() * self.noise + self.quantisation
     }
 }
+
+/// Share of the range below which a change is no motion: it excites that share of the vibration by the moves, far less
+/// than a sensor sees. Without it the traces of arithmetic in a position without noise would be motion.
+const UNSEEN: f64 = 1e-6;
 
 /// Positions kept: a window of 20 ms at up to 8 kHz.
 const HISTORY: usize = 161;

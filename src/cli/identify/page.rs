@@ -145,7 +145,7 @@ fn off_line(run: &Run) -> Table {
 }
 
 /// One quantity of all estimators over a run, the likelihood's with a band of two standard deviations, the
-/// batch fit as a level. The first view shows five periods, and a range about the batch fit: an estimate at its
+/// batch fit as a level. The first view shows five periods and all that converge, and a range about the batch fit: an estimate at its
 /// start is not worth the scale.
 fn over_time(
     run: &Run,
@@ -176,7 +176,10 @@ fn over_time(
         return chart;
     };
     let value = level(batch);
-    let until = (run.counted_from + 5.0 * batch.mode.damped_period()).min(run.shown.until);
+    let period = batch.mode.damped_period();
+    let converged = run.on_line.iter().filter_map(|result| result.converged_at);
+    let shown = converged.fold(run.counted_from + 4.0 * period, f64::max) + period;
+    let until = shown.min(run.shown.until);
     chart
         .level(value, "batch fit")
         .x_range(run.counted_from, until)
