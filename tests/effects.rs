@@ -216,7 +216,7 @@ proptest! {
                 }
             }
             let starts = (effect.starts)(&scales);
-            let most = [12, 48, 24, 40][effect.parameters.len() - 1];
+            let most = [12, 48, 24, 40, 40][effect.parameters.len() - 1];
             prop_assert!((1..=most).contains(&starts.len()), "{}: {}", effect.name, starts.len());
             for start in &starts {
                 prop_assert_eq!(start.len(), effect.parameters.len());
@@ -230,7 +230,7 @@ proptest! {
     #[test]
     fn neutral_changes_nothing_to_the_bit(
         scales in scales(),
-        parts in prop::array::uniform4(0.0..=1.0f64),
+        parts in prop::array::uniform5(0.0..=1.0f64),
         series in prop::collection::vec(-3.0..3.0f64, 12),
     ) {
         for effect in EFFECTS {
@@ -245,7 +245,7 @@ proptest! {
     }
 
     #[test]
-    fn laws_keep_their_promises(scales in scales(), parts in prop::array::uniform4(0.0..=1.0f64)) {
+    fn laws_keep_their_promises(scales in scales(), parts in prop::array::uniform5(0.0..=1.0f64)) {
         for effect in EFFECTS {
             let parameters = within(effect, &scales, &parts);
             match (effect.law)(&parameters) {
@@ -614,11 +614,27 @@ fn val_forces_by_hand() {
         ("bilinear_stiffness", vec![0.5, 0.3, 1.0], -0.5, 0.0, 0.0),
         ("stiffness_drift", vec![0.1, 0.0], 0.5, 0.0, 0.1),
         ("gravity_load", vec![2.0, 0.0], 0.0, 0.0, 2.0),
-        ("end_stop", vec![10.0, 1.0, 0.1, 1.0], 0.9, 5.0, 0.0),
-        ("end_stop", vec![10.0, 1.0, 0.1, 1.0], 1.5, 1.0, 6.0),
-        ("end_stop", vec![10.0, 1.0, 0.1, 1.0], 1.5, -9.0, 0.0),
-        ("end_stop", vec![10.0, -1.0, 0.1, -1.0], -1.5, -1.0, -6.0),
-        ("end_stop", vec![10.0, -1.0, 0.1, -1.0], -0.5, -1.0, 0.0),
+        ("end_stop", vec![10.0, 1.0, 0.1, 0.0, 1.0], 0.9, 5.0, 0.0),
+        ("end_stop", vec![10.0, 1.0, 0.1, 0.0, 1.0], 1.5, 1.0, 6.0),
+        ("end_stop", vec![10.0, 1.0, 0.1, 0.0, 1.0], 1.5, -9.0, 0.0),
+        (
+            "end_stop",
+            vec![10.0, -1.0, 0.1, 0.0, -1.0],
+            -1.5,
+            -1.0,
+            -6.0,
+        ),
+        (
+            "end_stop",
+            vec![10.0, -1.0, 0.1, 0.0, -1.0],
+            -0.5,
+            -1.0,
+            0.0,
+        ),
+        // By Hunt and Crossley: no jump at the contact, no pull on the way back.
+        ("end_stop", vec![10.0, 1.0, 0.0, 0.5, 1.0], 1.5, 1.0, 7.5),
+        ("end_stop", vec![10.0, 1.0, 0.0, 0.5, 1.0], 1.0, 1.0, 0.0),
+        ("end_stop", vec![10.0, 1.0, 0.0, 0.5, 1.0], 1.5, -3.0, 0.0),
     ] {
         assert_near(at(name, &parameters, x, v), expected, 1e-14, name);
     }

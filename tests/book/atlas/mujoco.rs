@@ -218,7 +218,7 @@ fn structure(arm: &Arm, name: &str, p: &[f64]) -> Option<Form> {
         }
         "end_stop" => {
             let [end, spring, damper] = [p[1], p[0] * k, p[0] * p[2] * k].map(short);
-            let range = match p[3] > 0.0 {
+            let range = match p[4] > 0.0 {
                 true => format!("-10 {end}"),
                 false => format!("{end} 10"),
             };

@@ -11,7 +11,10 @@ const CANDIDATES: usize = 3;
 struct EndStop {
     stiffness: f64,
     position: f64,
-    damping: f64,
+    /// Damping over stiffness, s.
+    time_constant: f64,
+    /// Damping that grows with the depth, over stiffness, s per position.
+    dissipation: f64,
     /// 1 for a stop above the range of motion, -1 for one below it.
     side: f64,
 }
@@ -20,7 +23,11 @@ impl EndStop {
     /// Depth, and the force's share of the stiffness where that is above 0.
     fn contact(&self, x: f64, v: f64) -> [f64; 2] {
         let depth = self.side * (x - self.position);
-        [depth, depth + self.damping * self.side * v]
+        let deeper = self.side * v;
+        [
+            depth,
+            depth * (1.0 + self.dissipation * deeper) + self.time_constant * deeper,
+        ]
     }
 }
 
@@ -50,16 +57,16 @@ impl Force for EndStop {
     }
 }
 
-/// One-sided contact: `F = k max(e + T e', 0)` at a depth `e > 0` beyond the stop.
+/// One-sided contact: `F = k max(e (1 + d e') + T e', 0)` at a depth `e > 0` beyond the stop.
 pub const END_STOP: Effect = Effect {
     name: "end_stop",
     title: "end stop",
     places: &[Place::Link],
-    physics: "Beyond a position the link meets a bumper that pushes with k (e + T e'), e the depth, and \
-        never pulls: it comes off when that is negative. `side` above 0 is a stop above the range of \
-        motion, below 0 one below it. The bumper's time constant T = c / k gives its coefficient of \
-        restitution. Source: Hunt and Crossley, ASME J. Applied Mechanics 42 (1975); Brogliato, \
-        Nonsmooth Mechanics (2016), chapter 2.",
+    physics: "Beyond a position the link meets a bumper that pushes with k (e (1 + d e') + T e'), e the depth, and \
+        never pulls: it comes off when that is negative. `side` above 0 is a stop above the range of motion, below 0 \
+        one below it. What a bumper loses grows with the depth (d, s per unit of position; Hunt and Crossley), as where \
+        bodies touch at a point, or does not (T = c / k; Kelvin and Voigt), as of a damper behind a plate. Source: Hunt and \
+        Crossley, ASME J. Applied Mechanics 42 (1975); Brogliato, Nonsmooth Mechanics (2016), chapter 2.",
     remedy: "Keep clear of the stop, or look for a cable that tightens there.",
     parameters: &[
         Parameter {
@@ -90,6 +97,14 @@ pub const END_STOP: Effect = Effect {
             typical: |scales| 0.02 * scales.period(),
         },
         Parameter {
+            name: "dissipation",
+            role: ParameterRole::Shape,
+            quantity: Quantity::new(0, -1, 1),
+            bounds: |scales| (0.0, 3.0 / scales.velocity),
+            neutral: 0.0,
+            typical: |scales| 0.3 / scales.velocity,
+        },
+        Parameter {
             name: "side",
             role: ParameterRole::Shape,
             quantity: Quantity::NUMBER,
@@ -103,8 +118,9 @@ pub const END_STOP: Effect = Effect {
         Law::Force(Box::new(EndStop {
             stiffness: p[0],
             position: p[1],
-            damping: p[2],
-            side: 1f64.copysign(p[3]),
+            time_constant: p[2],
+            dissipation: p[3],
+            side: 1f64.copysign(p[4]),
         }))
     },
     starts: |scales| {
@@ -122,7 +138,7 @@ pub const END_STOP: Effect = Effect {
         let start = |depth: f64, side: f64| {
             let depth = depth.min(0.9 * range);
             let end = [scales.position.0, scales.position.1][usize::from(side > 0.0)];
-            vec![0.5 * stiffness, end - side * depth, damping, side]
+            vec![0.5 * stiffness, end - side * depth, damping, 0.0, side]
         };
         let ends = [-1.0, 1.0].into_iter();
         let ends = ends.flat_map(|side| depths.map(|depth| start(depth, side)));
@@ -135,7 +151,7 @@ pub const END_STOP: Effect = Effect {
                 |depth: f64| (position - side * depth).clamp(scales.position.0, scales.position.1);
             let depths = [0.0, 0.3, 1.0].map(|share| inside(share * scales.deformation));
             let sizes = [0.3, 2.0, 6.0].map(|size| size * stiffness);
-            product(&[&sizes, &depths, &[damping], &[side]])
+            product(&[&sizes, &depths, &[damping], &[0.0], &[side]])
         });
         ends.chain(met).collect()
     },
