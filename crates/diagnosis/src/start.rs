@@ -15,8 +15,6 @@ use quell_model::{Departure, Experiment, Model, StartComponent};
 pub fn departures(model: &Model, experiments: &[Experiment]) -> Vec<StartComponent> {
     let linear = (model.kind.linear)(&model.keys(), experiments[0].input);
     match (linear.motor, linear.link) {
-        // In one piece the start's position is covered by the offset of its sensor.
-        (MotorSide::Free { .. }, None) if experiments[0].windows.is_empty() => vec![MotorVelocity],
         (MotorSide::Free { .. }, None) => vec![MotorPosition, MotorVelocity],
         (MotorSide::Free { .. }, Some(_)) => {
             vec![MotorPosition, MotorVelocity, Deformation, DeformationRate]

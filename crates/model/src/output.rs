@@ -1,5 +1,6 @@
 //! From a channel to an output of the model. A tip position becomes the angle about the joint's axis.
 
+use super::chain::MotorSide;
 use super::circle::{Circle, frame_columns};
 use super::experiment::{Experiment, Output};
 use super::gain::{Gain, slope};
@@ -33,10 +34,12 @@ pub(super) fn output(
     if unit == "1" {
         unit = String::new();
     }
-    // A loop in the model controls this encoder: an offset of the encoder is an offset of the machine. A free
-    // offset would take the place of the constant force that the loop balances by a lasting error.
-    let looped = experiment.input == Role::CommandPosition && channel.role == Role::MotorPosition;
-    let columns = match looped {
+    // Forces move this motor side from a start that is free, or that its loop holds: an offset of its encoder is an
+    // offset of the machine. A free offset would take the place of a constant force, and shift what depends on the
+    // position.
+    let motor = (model.kind.linear)(&model.keys(), experiment.input).motor;
+    let moved = matches!(motor, MotorSide::Free { .. }) && channel.role == Role::MotorPosition;
+    let columns = match moved {
         true => Vec::new(),
         false => vec![vec![1.0; values.len()]],
     };
