@@ -4,11 +4,12 @@ use super::candidate::Candidate;
 use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
 use super::fit::Linearised;
-use super::point::{EffectAt, Point};
+use super::point::Point;
 use super::pool::Pool;
 use super::screen::{Start, Table, screen};
 use super::search::Search;
 use super::successive_halving::Halving;
+use rayon::prelude::*;
 
 /// Candidates that are fitted after the screen.
 const FITTED: usize = 10;
@@ -38,7 +39,6 @@ impl Search<'_> {
             let fall = -2.0 * CALIBRATED * pool.unit(self.judge) * problem.log_prior_of_one();
             found = search.screened(from, linear, table, fall);
         }
-        search.add_known(from, &mut found);
         let mut halving = Halving::new(&search, from, linear.as_ref());
         halving.enter(found);
         // Learned laws compete with the best explanation that is known.
@@ -101,24 +101,16 @@ impl Search<'_> {
             .collect()
     }
 
-    /// Adds the known explanations that have exactly one effect more than this one.
-    fn add_known(&self, from: &Explanation, found: &mut Vec<Candidate>) {
-        let own = from.effects();
-        for known in &self.known.points {
-            let theirs = known.effects();
-            let new: Vec<_> = theirs.iter().filter(|e| !own.contains(e)).collect();
-            let &[&effect] = new.as_slice() else { continue };
-            if theirs.len() != own.len() + 1 {
-                continue;
-            }
-            // The new effect comes last, as on top of an explanation.
-            let mut point = known.without_effect(effect);
-            let terms = known.terms[known.given_terms..].iter();
-            let last = terms.filter(|term| term.identity() == effect);
-            point.terms.extend(last.cloned());
-            point.start_as(&from.fitted.point);
-            add_far(found, effect, vec![point]);
-        }
+    /// Adds the explanations from another look, fitted to this one.
+    pub fn recall(&self, pool: &mut Pool) {
+        let start = pool.baseline().fitted.point.clone();
+        let again = |known: &Point| {
+            let mut point = known.clone();
+            point.start_as(&start);
+            self.refitted(&point)
+        };
+        let recalled: Vec<Explanation> = self.known.points.par_iter().map(again).collect();
+        recalled.into_iter().for_each(|own| pool.add(own));
     }
 
     /// Logs a candidate of the search, for debugging.
@@ -140,21 +132,6 @@ impl Search<'_> {
             held_out_over_noise = over_noise(own.held_out, self.judge.held_out_rows),
             "candidate"
         );
-    }
-}
-
-/// Adds starts elsewhere to those of an effect.
-fn add_far(found: &mut Vec<Candidate>, effect: EffectAt, mut far: Vec<Point>) {
-    match found
-        .iter_mut()
-        .find(|candidate| candidate.effect == effect)
-    {
-        Some(candidate) => candidate.far.append(&mut far),
-        None => found.push(Candidate {
-            effect,
-            near: Vec::new(),
-            far,
-        }),
     }
 }
 

@@ -19,6 +19,10 @@ use quell_recording::Recording;
 const COUPLED: &str = "Errors of a force that drives an axis freely add up without bound. So the motor side was simulated \
     coupled to its measured motion, by a spring and a damper. Its residual is that of this simulation.";
 
+/// Remark on a diagnosis that was made in windows.
+const WINDOWED: &str = "Errors of a force that drives an axis freely add up without bound. So the motion was simulated in \
+    windows, each with a start of its own.";
+
 /// Says what physics a model lacks, from recordings of the machine.
 ///
 /// `held_out` recordings judge the fit to `train`. Without them every third stretch of three periods is kept
@@ -128,6 +132,12 @@ fn look(
     // keys of the model absorb it. Then they leave their believed range, or the uncoupled motion fits hardly
     // better.
     let mut in_noise = None;
+    let in_windows = || match apart.is_empty() {
+        // Each window has a start of its own, so rows of it cannot be held out. Whole windows are held out
+        // instead.
+        true => in_two(model, train, &fitted),
+        false => Ok((fitted.clone(), apart.clone())),
+    };
     if let Some((fitted, apart)) = coupled(model, &fitted).zip(coupled(model, &apart)) {
         let when_coupled = |known: &Known| -> Result<Looked, DiagnosisError> {
             let mut looked = once((fitted.clone(), apart.clone()), known)?;
@@ -137,10 +147,23 @@ fn look(
         let Looked {
             mut outcome,
             believable,
-            ..
+            points,
         } = when_coupled(&unknown)?;
         if believable && halves(&outcome) {
-            return Ok(outcome);
+            // The coupling takes the motion back within its memory, and with it most of what a slow error does. If
+            // the same findings explain the windows, too, these determine the parameters far better.
+            let seen = Known {
+                points,
+                alone: true,
+                ..unknown
+            };
+            let longer = windowed(once(in_windows()?, &seen)?);
+            return Ok(
+                match explains(&longer.outcome) && !longer.outcome.diagnosis.findings.is_empty() {
+                    true => longer.outcome,
+                    false => outcome,
+                },
+            );
         }
         // The findings do not improve the uncoupled motion: is the coupled motion noise without them, too?
         if explains(&outcome) && !outcome.diagnosis.findings.is_empty() {
@@ -153,23 +176,14 @@ fn look(
         in_noise = (outcome.diagnosis.verdict == Verdict::NoMismatch).then_some(outcome);
     }
     let whole = (in_one(&fitted), in_one(&apart));
-    let windowed = match apart.is_empty() {
-        // Each window has a start of its own, so rows of it cannot be held out. Whole windows are held out
-        // instead.
-        true => in_two(model, train, &fitted)?,
-        false => (fitted, apart),
-    };
     // In one piece a small error of a force moves the end of the motion far, and a fit ends in the nearest of
     // many minima. In windows there are few minima, so their findings give the starts for the fit in one piece.
     // But small effects show in one piece only.
     let Looked {
-        outcome: mut in_windows,
+        outcome: in_windows,
         points,
         ..
-    } = once(windowed, &unknown)?;
-    let remark = "Errors of a force that drives an axis freely add up without bound. So the motion was simulated in \
-        windows, each with a start of its own.";
-    in_windows.diagnosis.remarks.push(remark.into());
+    } = windowed(once(in_windows()?, &unknown)?);
     // If the model explains the coupled motion down to the noise, it lacks at most slower physics, which
     // windows show.
     if let Some(outcome) = in_noise {
@@ -199,6 +213,12 @@ fn look(
         true => in_windows,
         false => in_one,
     })
+}
+
+/// A look in windows, which says so.
+fn windowed(mut looked: Looked) -> Looked {
+    looked.outcome.diagnosis.remarks.push(WINDOWED.into());
+    looked
 }
 
 /// Whether `one` is better than `other`, where both leave more than noise: the simpler one is better, unless it

@@ -24,6 +24,7 @@ pub fn settled(
     mut pool: Pool,
     told: (&Known, Progress),
 ) -> Pool {
+    search(problem, projector, judge, told).recall(&mut pool);
     // Single laws of the catalogue come first. Their residual shows the noise, and whether there is more to
     // search for.
     let baseline = pool.baseline().clone();
