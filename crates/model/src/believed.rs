@@ -1,5 +1,6 @@
 //! The believed mode of a joint, as the model file that `quell identify --model` reads.
 
+use quell_recording::to_resolution;
 use quell_shapers::Mode;
 
 use quell_signal::JointArc;
@@ -10,14 +11,14 @@ pub fn flexible_joint(mode: Mode, arc: Option<&JointArc>) -> String {
     let tip = arc.map(|arc| {
         format!(
             "lever_arm_m = {}\ntip_height_m = {}\n",
-            arc.radius(),
-            arc.centre().z
+            to_resolution(arc.radius()),
+            to_resolution(arc.centre().z)
         )
     });
     format!(
         "kind = \"flexible_joint\"\nnatural_frequency_hz = {}\ndamping_ratio = {}\n{}",
-        mode.hertz(),
-        mode.damping_ratio(),
+        to_resolution(mode.hertz()),
+        to_resolution(mode.damping_ratio()),
         tip.unwrap_or_default(),
     )
 }

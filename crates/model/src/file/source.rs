@@ -1,7 +1,7 @@
 //! The text of a model file, with its tables, entries and their lines.
 
 use super::ModelError;
-use quell_recording::nearest;
+use quell_recording::{SyntaxError, nearest};
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -30,7 +30,7 @@ impl<'a> Source<'a> {
         let parsed = DeTable::parse(self.text).map_err(|error| ModelError::Syntax {
             file: self.file.to_path_buf(),
             line: self.line(error.span().map_or(0, |span| span.start)),
-            reason: error.message().trim().replace('\n', "; "),
+            reason: SyntaxError::of(self.text, &error).reason,
         })?;
         Ok(parsed.into_inner())
     }
