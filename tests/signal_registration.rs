@@ -324,7 +324,8 @@ fn rest_begins_when_the_servo_has_arrived() {
         .map(|k| two_moves(1e-3 * f64::from(k)).0 + 1e-15 * f64::from(k % 7))
         .collect();
     let stamps: Vec<f64> = (0..3500).map(|k| 1e-3 * f64::from(k)).collect();
-    let clean = phases(&stamps, &traces, RestRule::from_values(&traces)).unwrap();
+    let rule = RestRule::from_values(&traces).above(1e-6, &traces);
+    let clean = phases(&stamps, &traces, rule).unwrap();
     assert!(clean.len() == 5 && clean[1].start > 0.3, "{clean:?}");
     // With the noise read off the record itself the same.
     let own = RestRule::from_values(&encoder.columns[0]);

@@ -93,11 +93,16 @@ pub fn evenly(samples: &[Sample], rests: &[Stretch]) -> Vec<Stretch> {
     looked_at.map(|(_, rest)| rest).collect()
 }
 
+/// Share of the range below which a displacement is no motion: it excites that share of the vibration by the moves,
+/// far less than a sensor sees. Traces of arithmetic in a position without noise would be motion.
+const UNSEEN: f64 = 1e-6;
+
 /// First motion of the motor side, s; the record's start where it always rests.
 pub fn motion_from(samples: &[Sample]) -> f64 {
     let time: Vec<f64> = samples.iter().map(|s| s.time).collect();
     let position: Vec<f64> = samples.iter().map(|s| s.motor_position).collect();
-    phases(&time, &position, RestRule::from_values(&position))
+    let rule = RestRule::from_values(&position).above(UNSEEN, &position);
+    phases(&time, &position, rule)
         .unwrap_or_default()
         .into_iter()
         .find(|phase| phase.motion == Motion::Moving)

@@ -50,19 +50,20 @@ impl RestRule {
         }
     }
 
-    /// The rule for a recorded position, with its estimated noise and quantisation. The noise is at least the
-    /// share [`UNSEEN`] of the range.
+    /// The rule for a recorded position, with its estimated noise and quantisation.
     pub fn from_values(values: &[f64]) -> Self {
         let floor = noise_floor(values);
-        let [least, most] = values
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], x| {
-                [least.min(*x), most.max(*x)]
-            });
-        let noise = floor
-            .standard_deviation
-            .max(UNSEEN * (most - least).max(0.0));
-        Self::new(noise, floor.quantisation.unwrap_or(0.0))
+        Self::new(floor.standard_deviation, floor.quantisation.unwrap_or(0.0))
+    }
+
+    /// The same for a position that may be without noise: a displacement below a share of the range is no motion.
+    pub fn above(self, share: f64, values: &[f64]) -> Self {
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        Self {
+            noise: self.noise.max(share * (most - least).max(0.0)),
+            ..self
+        }
     }
 
     /// The displacement that noise alone exceeds once in 1.7 million samples: 5 standard deviations of a
@@ -71,10 +72,6 @@ impl RestRule {
         5.0 * 2f64.sqrt() * self.noise + self.quantisation
     }
 }
-
-/// Share of the range below which a change is no motion: it excites that share of the vibration by the moves, far less
-/// than a sensor sees. Without it the traces of arithmetic in a position without noise would be motion.
-const UNSEEN: f64 = 1e-6;
 
 /// Positions kept: a window of 20 ms at up to 8 kHz.
 const HISTORY: usize = 161;
