@@ -1,7 +1,7 @@
 //! The motor side's motion, by whichever channel a recording has of it.
 
 use quell_recording::{Channel, Recording, Role};
-use quell_signal::{CubicSpline, End, Phase, RestRule, SignalError, free_decays};
+use quell_signal::{Phase, RestRule, SignalError, free_decays, integrated_velocity};
 
 /// Channels of the motor side's motion, the preferred one first. A command stands for what the motor side does of
 /// it.
@@ -48,27 +48,13 @@ pub fn rests(recording: &Recording) -> Result<Vec<Phase>, SignalError> {
     free_decays(&made.time, values, RestRule::from_values(values), SHORTEST)
 }
 
-/// A motor position of a channel: itself, or the integral of the spline through a velocity, from 0 on.
+/// A motor position of a channel: itself, or the integral of a velocity.
 fn position(channel: &Channel) -> Result<Channel, SignalError> {
-    let (time, values) = (&channel.time, &channel.columns[0]);
-    let mut made = Channel {
-        role: Role::MotorPosition,
-        ..channel.clone()
-    };
-    if channel.role != Role::MotorVelocity {
-        return Ok(made);
+    match channel.role {
+        Role::MotorVelocity => integrated_velocity(channel),
+        _ => Ok(Channel {
+            role: Role::MotorPosition,
+            ..channel.clone()
+        }),
     }
-    let spline = CubicSpline::new(time, values, End::NotAKnot)?;
-    let mut at = 0.0;
-    for k in 1..time.len() {
-        let h = time[k] - time[k - 1];
-        let bend = spline.second(k - 1) + spline.second(k);
-        made.columns[0][k - 1] = at;
-        at += h * (0.5 * (values[k - 1] + values[k]) - h * h * bend / 24.0);
-    }
-    if let Some(last) = made.columns[0].last_mut() {
-        *last = at;
-    }
-    made.unit = channel.unit.trim_end_matches("/s").into();
-    Ok(made)
 }

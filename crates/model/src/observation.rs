@@ -11,7 +11,7 @@ use super::predict::predict_windows;
 use super::windows::windows;
 use super::{Departure, ExperimentError, Model, Term};
 use quell_recording::{Channel, Recording, Role};
-use quell_signal::{CubicSpline, End, noise_floor};
+use quell_signal::{integrated_velocity, noise_floor};
 
 /// Refinement at which the error of the integration is negligible beside that of the input.
 const FINER: f64 = 4.0;
@@ -280,27 +280,12 @@ fn position_unit(model: &Model, recording: &Recording, input: Role) -> String {
     }
 }
 
-/// The motion of a motor side of which only the velocity was measured: the integral of the spline through it,
-/// from 0 on.
+/// The motion of a motor side, of which the position or only the velocity was measured.
 fn motor_side(channel: Channel) -> Result<Channel, ExperimentError> {
-    if channel.role != Role::MotorVelocity {
-        return Ok(channel);
+    match channel.role {
+        Role::MotorVelocity => Ok(integrated_velocity(&channel)?),
+        _ => Ok(channel),
     }
-    let (time, rate) = (&channel.time, &channel.columns[0]);
-    let spline = CubicSpline::new(time, rate, End::NotAKnot)?;
-    let (mut position, mut at) = (vec![0.0], 0.0);
-    for k in 1..time.len() {
-        let h = time[k] - time[k - 1];
-        let bend = spline.second(k - 1) + spline.second(k);
-        at += h * (0.5 * (rate[k - 1] + rate[k]) - h * h * bend / 24.0);
-        position.push(at);
-    }
-    Ok(Channel {
-        role: Role::MotorPosition,
-        unit: channel.unit.trim_end_matches("/s").into(),
-        time: channel.time,
-        columns: vec![position],
-    })
 }
 
 fn names(roles: &[Role]) -> String {

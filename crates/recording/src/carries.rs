@@ -44,7 +44,7 @@ impl Channel {
 }
 
 /// Greatest minus least value; 0 without any.
-fn range(values: &[f64]) -> f64 {
+pub fn range(values: &[f64]) -> f64 {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     (high - low).max(0.0)

@@ -54,7 +54,7 @@ mod toml_keys;
 mod unit;
 mod write;
 
-pub use carries::plain;
+pub use carries::{plain, range};
 pub use error::{Place, Problem, RecordingError, nearest};
 pub use foreign::{FOREIGN, Foreign};
 pub use layout::Layout;

@@ -3,6 +3,7 @@
 use super::SignalError;
 use super::noise::noise_floor;
 use super::spline::check_series;
+use quell_recording::range;
 
 /// Whether the motor side moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,10 +59,8 @@ impl RestRule {
 
     /// The same for a position that may be without noise: a displacement below a share of the range is no motion.
     pub fn above(self, share: f64, values: &[f64]) -> Self {
-        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         Self {
-            noise: self.noise.max(share * (most - least).max(0.0)),
+            noise: self.noise.max(share * range(values)),
             ..self
         }
     }
