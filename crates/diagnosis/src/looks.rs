@@ -158,15 +158,13 @@ fn look(
                 ..unknown
             };
             let longer = windowed(once(in_windows()?, &seen)?);
-            return Ok(
-                match explains(&longer.outcome) && !longer.outcome.diagnosis.findings.is_empty() {
-                    true => longer.outcome,
-                    false => outcome,
-                },
-            );
+            return Ok(match explains_by_findings(&longer.outcome) {
+                true => longer.outcome,
+                false => outcome,
+            });
         }
         // The findings do not improve the uncoupled motion: is the coupled motion noise without them, too?
-        if explains(&outcome) && !outcome.diagnosis.findings.is_empty() {
+        if explains_by_findings(&outcome) {
             let nothing = Known {
                 alone: true,
                 ..unknown.clone()
@@ -193,7 +191,7 @@ fn look(
             outcome
         });
     }
-    let alone = explains(&in_windows) && !in_windows.diagnosis.findings.is_empty();
+    let alone = explains_by_findings(&in_windows);
     let seen = Known {
         points,
         alone,
@@ -244,6 +242,11 @@ fn explains(outcome: &Outcome) -> bool {
     use Verdict::{Ambiguous, Named, NoMismatch, NotExcited};
     let verdict = outcome.diagnosis.verdict;
     matches!(verdict, NoMismatch | Named | Ambiguous | NotExcited)
+}
+
+/// Whether a diagnosis leaves only noise by what it found.
+fn explains_by_findings(outcome: &Outcome) -> bool {
+    explains(outcome) && !outcome.diagnosis.findings.is_empty()
 }
 
 /// Mean square error, in units of the noise, of a model and the events found, in one piece, summed over recordings.
