@@ -285,3 +285,46 @@ fn val_forces_are_in_the_unit_of_what_drives_the_axis() {
         assert_eq!(text.contains("N.m"), unit == "N.m", "{text}");
     }
 }
+
+/// A measured current is smooth between its samples, while a command is held. Friction must not hide which of both it is: half a
+/// sample of delay would have to make up for it.
+#[test]
+fn a_measured_current_is_not_taken_for_held_beside_friction() {
+    let (inertia, viscous, friction, constant, rate) = (0.05, 0.1, 0.4, 0.12, 250.0);
+    let time: Vec<f64> = (0..(LENGTH * rate) as usize)
+        .map(|k| k as f64 / rate)
+        .collect();
+    let current = |&t: &f64| {
+        let [before, here, after] = [t - 1e-5, t, t + 1e-5].map(|t| moves(t)[1]);
+        let rubbing = friction * (here / 0.002).tanh();
+        (inertia * (after - before) / 2e-5 + viscous * here + rubbing) / constant
+    };
+    let told = diagnosed(
+        &format!("kind = \"rigid_axis\"\nmass = 0.05\nviscous = 0.1\nforce_gain = {constant}\n"),
+        vec![
+            (Role::MotorCurrent, "A", time.iter().map(current).collect()),
+            (
+                Role::MotorPosition,
+                "rad",
+                time.iter().map(|&t| moves(t)[0]).collect(),
+            ),
+        ],
+        rate,
+    );
+    let told = told.diagnosis;
+    assert_eq!(told.findings.len(), 1, "{}", told.summary);
+    check(
+        &told,
+        &told.findings[0].effect,
+        "drive",
+        "friction",
+        friction,
+    );
+    assert!(
+        told.remarks
+            .iter()
+            .any(|own| own.contains("straight lines")),
+        "{:?}",
+        told.remarks
+    );
+}

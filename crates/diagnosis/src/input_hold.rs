@@ -3,13 +3,17 @@
 use super::baseline::{problem, refit};
 use super::error::DiagnosisError;
 use super::experiments::{coupled, experiments};
+use super::point::Point;
+use super::problem::{Problem, Rows};
 use super::projector::Projector;
+use super::screen::{Table, candidates};
 use super::split;
 use super::stretches::Stretches;
-use super::thresholds::STRONG;
+use super::thresholds::{LONG, STRONG};
 use super::weights::measure_noise;
 use super::whitening::Whitening;
-use quell_model::{Experiment, Hold, Model};
+use quell_model::effects::Slot;
+use quell_model::{Experiment, Hold, Model, Term};
 
 /// A model that says how its input runs between the samples, where the given model does not.
 pub struct Held {
@@ -27,8 +31,9 @@ pub struct Held {
 /// A controller holds a force from tick to tick. If it is interpolated by straight lines, it acts half a sample
 /// too early, which no law should have to explain. A measured force is smooth; if it is taken for held, it acts
 /// too late. Only a motor side that a force drives freely shows the difference. It is coupled to its measured
-/// motion, so that other missing physics counts where it acts. The evidence is that of [`super::evidence`]:
-/// half the difference of chi-squared, in units of the residual per row.
+/// motion, so that other missing physics counts where it acts. Friction, which every axis has, changes with the
+/// acceleration and so would decide: a learned law takes it up. The evidence is that of [`super::evidence`]: half
+/// the difference of chi-squared, in units of the residual per row.
 pub fn held_input(
     model: &Model,
     recordings: &Stretches,
@@ -53,32 +58,67 @@ pub fn held_input(
     let Some((usual, other)) = both else {
         return Ok(None);
     };
-    let (before, rows, whitening) = left(model, &usual, None);
-    let (after, ..) = left(&held.model, &other, Some(whitening));
-    let evidence = 0.5 * (before - after) * rows / after;
+    let rows: usize = usual.iter().map(Experiment::samples).sum();
+    let own = Fitted::new(model, &usual);
+    let (before, after) = (own.cost, own.cost_with(&held.model, &other));
+    let evidence = 0.5 * (before - after) * rows as f64 / after;
+    tracing::debug!(before, after, evidence, words, "input between samples");
     Ok((evidence > STRONG).then_some(held))
 }
 
-/// Chi-squared of a refitted model on coupled experiments, the number of rows, and the noise that weighs them.
-fn left(
-    model: &Model,
-    coupled: &[Experiment],
-    known: Option<Vec<Vec<Whitening>>>,
-) -> (f64, f64, Vec<Vec<Whitening>>) {
-    let rows = coupled.iter().map(split::whole).collect();
-    let mut problem = problem(model, coupled, rows);
-    let mut start = problem.start(model);
-    match known {
-        Some(whitening) => problem.whitening = whitening,
-        None => {
-            measure_noise(&mut problem, &start);
-            let projector = Projector::new(&problem);
-            start = refit(&mut problem, &start, &projector).point;
-            measure_noise(&mut problem, &start);
+/// A refitted model with friction on coupled experiments.
+struct Fitted {
+    point: Point,
+    /// The noise that weighs the rows.
+    whitening: Vec<Vec<Whitening>>,
+    /// Chi-squared.
+    cost: f64,
+}
+
+impl Fitted {
+    fn new(model: &Model, coupled: &[Experiment]) -> Self {
+        let mut problem = problem(model, coupled, rows(coupled));
+        let start = problem.start(model);
+        measure_noise(&mut problem, &start);
+        let projector = Projector::new(&problem);
+        let refitted = refit(&mut problem, &start, &projector).point;
+        let start = with_friction(&problem, refitted);
+        let fitted = problem.fit(&start, &projector, LONG);
+        measure_noise(&mut problem, &fitted.point);
+        let fitted = problem.fit(&fitted.point, &Projector::new(&problem), LONG);
+        Self {
+            point: fitted.point,
+            whitening: problem.whitening,
+            cost: fitted.cost,
         }
     }
-    let projector = Projector::new(&problem);
-    let fitted = refit(&mut problem, &start, &projector);
-    let count = coupled.iter().map(Experiment::samples).sum::<usize>() as f64;
-    (fitted.cost, count, problem.whitening)
+
+    /// Chi-squared, with the same noise, of another model on its own experiments, fitted from here.
+    fn cost_with(&self, model: &Model, coupled: &[Experiment]) -> f64 {
+        let mut problem = problem(model, coupled, rows(coupled));
+        problem.whitening.clone_from(&self.whitening);
+        problem
+            .fit(&self.point, &Projector::new(&problem), LONG)
+            .cost
+    }
+}
+
+fn rows(coupled: &[Experiment]) -> Vec<Vec<Rows>> {
+    coupled.iter().map(split::whole).collect()
+}
+
+/// A point with a learned law of friction at the first place that may have one.
+fn with_friction(problem: &Problem, point: Point) -> Point {
+    let mut learned = candidates(problem, Table::Learned).into_iter();
+    match learned.find(|own| own.0.slot() == Some(Slot::Friction)) {
+        Some((effect, place)) => {
+            let starts = (effect.starts)(&problem.scales);
+            let values = starts
+                .into_iter()
+                .next()
+                .unwrap_or_else(|| effect.neutral());
+            point.with(Term::new(effect, place, values))
+        }
+        None => point,
+    }
 }
