@@ -388,3 +388,129 @@ fn utf_16_is_read_and_a_spectrum_of_klippers_is_refused() {
         assert!(stderr.contains("raw_data_x_"), "{stderr}");
     }
 }
+
+/// The blocks of a proposed manifest, without their file and clock.
+fn proposed(header: &str, columns: usize) -> Vec<String> {
+    let line = |k: usize| {
+        let cells: String = (0..columns)
+            .map(|c| format!(",{}", (k * (c + 3)) % 17))
+            .collect();
+        format!("{:.3}{cells}\n", k as f64 / 100.0)
+    };
+    let folder = write("joints.csv", &(format!("time,{header}\n") + &rows(line)));
+    json("inspect", Path::new("joints.csv"), &folder);
+    let manifest = std::fs::read_to_string(folder.path().join("recording.toml")).unwrap();
+    manifest
+        .split("[[channel]]")
+        .skip(1)
+        .map(String::from)
+        .collect()
+}
+
+/// Columns whose names differ in a number are joints, where what moves has such names.
+#[test]
+fn numbers_in_names_are_joints() {
+    let joint = |block: &String| {
+        let line = block.lines().find(|line| line.starts_with("joint = "));
+        line.and_then(|line| line.split('"').nth(1))
+            .map(String::from)
+    };
+    for (header, joints, roles) in [
+        (
+            "motor_position_1_deg,motor_position_2_deg,torque_1,torque_2",
+            ["1", "2", "1", "2"],
+            ["motor_position", "motor_position", "torque", "torque"],
+        ),
+        (
+            "q1,q2,tau1,tau2",
+            ["1", "2", "1", "2"],
+            ["motor_position", "motor_position", "torque", "torque"],
+        ),
+        (
+            "joint1.position,joint1.velocity,joint1.effort,joint2.position",
+            ["1", "1", "1", "2"],
+            [
+                "motor_position",
+                "motor_velocity",
+                "torque",
+                "motor_position",
+            ],
+        ),
+        (
+            "observation.state_0,observation.state_1,action_0,action_1",
+            ["0", "1", "0", "1"],
+            [
+                "motor_position",
+                "motor_position",
+                "command_position",
+                "command_position",
+            ],
+        ),
+    ] {
+        let blocks = proposed(header, 4);
+        let told: Vec<_> = blocks.iter().map(joint).collect();
+        let joints: Vec<_> = joints.iter().map(|joint| Some(joint.to_string())).collect();
+        assert_eq!(told, joints, "{header}: {blocks:?}");
+        for (block, role) in blocks.iter().zip(roles) {
+            assert!(block.contains(&format!("role = \"{role}\"")), "{block}");
+        }
+    }
+    // One joint has no number to be told from, and sensors beside a joint are none.
+    for header in [
+        "motor_position_1,torque_1",
+        "motor_position,accel_1,accel_2",
+    ] {
+        let blocks = proposed(header, header.split(',').count());
+        assert!(
+            blocks.iter().all(|block| joint(block).is_none()),
+            "{header}: {blocks:?}"
+        );
+    }
+}
+
+#[test]
+fn each_joint_of_a_file_is_inspected_and_one_is_identified() {
+    let head =
+        "time,motor_position_1_deg,motor_position_2_deg,link_position_1_deg,link_position_2_deg\n";
+    let line = |k: usize| {
+        let time = k as f64 / 1000.0;
+        format!(
+            "{time:.3},0,0,{:.6},{:.6}\n",
+            decay(time),
+            decay(1.5 * time)
+        )
+    };
+    let folder = write("joints.csv", &(head.to_owned() + &rows(line)));
+    let quell = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("quell").unwrap();
+        command.current_dir(folder.path()).args(arguments);
+        command.output().unwrap()
+    };
+    let refused = String::from_utf8(quell(&["identify", "joints.csv"]).stderr).unwrap();
+    assert!(
+        refused.contains("there are 2: 1, 2; take one as joints.csv#1"),
+        "{refused}"
+    );
+    let all = json("inspect", Path::new("joints.csv"), &folder);
+    let joint = |k: usize| &all["joints"][k];
+    assert_eq!([&joint(0)["joint"], &joint(1)["joint"]], ["1", "2"]);
+    assert_eq!(joint(1)["channels"][0]["role"], "motor_position");
+    let told = String::from_utf8(quell(&["inspect", "recording.toml"]).stdout).unwrap();
+    assert!(
+        told.contains("Joint 1 of joints\n") && told.contains("Joint 2 of joints\n"),
+        "{told}"
+    );
+    assert!(
+        told.ends_with("Next: quell identify 'recording.toml#1'\n"),
+        "{told}"
+    );
+    for source in ["joints.csv#2", "recording.toml#2"] {
+        let found = json("identify", Path::new(source), &folder);
+        let text = found.to_string();
+        let hertz = &found["recommended"]["modes"][0]["frequency_hz"];
+        let hertz = hertz
+            .as_f64()
+            .or(found["recordings"][0]["modes"][0]["frequency_hz"].as_f64());
+        assert!((hertz.unwrap_or(0.0) / 12.0 - 1.0).abs() < 1e-2, "{text}");
+    }
+}

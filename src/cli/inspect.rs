@@ -1,5 +1,6 @@
 //! `quell inspect`: the content of a recording, and suspicious parts of it.
 
+mod joints;
 mod propose;
 mod topics;
 
@@ -10,6 +11,7 @@ use crate::recording::health::{ColumnHealth, Flat, FlatKind, Health, health, rem
 use crate::recording::{
     Channel, MANIFEST, McapFile, Recording, is_csv, mcap_and_joint, plain as short,
 };
+use joints::Joints;
 use serde_json::{Value, json};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -27,7 +29,8 @@ Examples:
   quell inspect run.mcap           (its topics, too; run.mcap#joint_2 takes one of several joints)
 
 Columns of the tables: noise is the standard deviation of white noise, step the quantisation step,
-jitter the root mean square of interval minus period. Values are in SI, jitter in microseconds.")]
+jitter the root mean square of interval minus period. Values are in SI, jitter in microseconds.
+Of a manifest with several joints each is told; arm7#joint_2 takes one.")]
 pub struct Args {
     /// The manifest (recording.toml), its folder, an MCAP file, or a CSV or Parquet file.
     pub recording: PathBuf,
@@ -54,13 +57,14 @@ pub fn run(args: Args) -> Result<(), CliError> {
     if is_csv(&path) || (path.is_dir() && !path.join(MANIFEST).exists()) {
         return proposed(&path, &args);
     }
-    let recording = Recording::from_path(&args.recording)?;
-    let figures: Vec<Health> = recording.channels.iter().map(health).collect();
-    if args.json {
-        output::json(&document(&recording, &figures))
-    } else {
-        let next = next::command(follows(&recording, &args.recording));
-        output::text(&format!("{}\n{next}", page(&recording, &figures)))
+    let read = Joints::read(&args.recording)?;
+    match args.json {
+        true => output::json(&read.document()),
+        false => output::text(&format!(
+            "{}\n{}",
+            read.text(),
+            next::command(read.follows())
+        )),
     }
 }
 
@@ -91,9 +95,9 @@ fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
     let Some((manifest, _)) = written.manifests.first() else {
         return Ok(());
     };
-    let read = Recording::from_path(manifest);
+    let read = Joints::read(manifest);
     let words = match &read {
-        Ok(recording) => follows(recording, manifest),
+        Ok(joints) => joints.follows(),
         Err(_) => vec!["inspect".into(), manifest.as_os_str().to_owned()],
     };
     let next = match written.open.is_empty() {
@@ -105,10 +109,7 @@ fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
         ),
     };
     let (text, mut all) = match &read {
-        Ok(recording) => {
-            let figures: Vec<Health> = recording.channels.iter().map(health).collect();
-            (page(recording, &figures), document(recording, &figures))
-        }
+        Ok(joints) => (joints.text(), joints.document()),
         Err(error) if written.is_empty() => (
             "It cannot be read yet: it has no [[channel]]\n".into(),
             json!({"refused": error.to_string()}),

@@ -176,13 +176,8 @@ fn read_joint(path: &Path, text: &str, joint: Option<&str>) -> Result<Recording,
 impl Manifest {
     /// The joints of its channels, in their order.
     fn joints(&self) -> Vec<String> {
-        let mut joints: Vec<String> = Vec::new();
-        for joint in self.channel.iter().filter_map(|entry| entry.joint.as_ref()) {
-            if !joints.contains(joint.get_ref()) {
-                joints.push(joint.get_ref().clone());
-            }
-        }
-        joints
+        let named = self.channel.iter().filter_map(|entry| entry.joint.as_ref());
+        propose::distinct(named.map(Spanned::get_ref))
     }
 }
 

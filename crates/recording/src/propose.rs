@@ -4,8 +4,12 @@ mod clock;
 mod columns;
 mod content;
 mod form;
+mod joint;
 mod name;
 mod render;
+mod words;
+
+pub(super) use joint::distinct;
 
 use super::error::{Problem, RecordingError};
 use super::table::parquet;
@@ -32,6 +36,8 @@ pub struct Proposal {
     pub manifests: Vec<Proposed>,
     /// Open questions that matter: a role, a unit of time, a rate. One sentence each, without a full stop.
     pub open: Vec<String>,
+    /// Joints, by the numbers in the names of their columns; none where the names tell one joint.
+    pub joints: Vec<String>,
 }
 
 /// A value that may be a guess.
@@ -104,6 +110,12 @@ pub(super) fn certain(path: &Path) -> Result<String, RecordingError> {
     let several = proposal.manifests.len();
     if several > 1 {
         proposal.open.insert(0, format!("it has {several} tests"));
+    }
+    if let ([first, _, ..], false) = (&*proposal.joints, proposal.open.is_empty()) {
+        let joints = proposal.joints.join(", ");
+        proposal.open.push(format!(
+            "it has the joints {joints}: take one as {MANIFEST}#{first} once the manifest is there"
+        ));
     }
     match proposal.open.is_empty() {
         true => Ok(proposal.manifests.swap_remove(0).text),

@@ -19,7 +19,9 @@ pub struct Written {
 /// # Errors
 /// [`CliError::Input`] where a file cannot be interpreted, or a manifest would replace a user's.
 pub fn write(path: &Path, force: Force) -> Result<Written, CliError> {
-    let Proposal { manifests, open } = propose(path)?;
+    let Proposal {
+        manifests, open, ..
+    } = propose(path)?;
     let folder = match path.is_dir() {
         true => path,
         false => path.parent().unwrap_or(Path::new("")),

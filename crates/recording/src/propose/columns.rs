@@ -5,7 +5,7 @@ use super::super::unit::Dimension;
 use super::Guess;
 use super::clock::Clock;
 use super::content::{Column, Content};
-use super::name;
+use super::{joint, name};
 
 /// Standard acceleration of free fall, m/s^2.
 const G_N: f64 = 9.80665;
@@ -20,7 +20,7 @@ const LONGEST: usize = 24;
 pub struct Channel {
     /// Its role.
     pub role: Guess<Role>,
-    /// Its joint, if the file has lists with an element for each joint.
+    /// Its joint, if the file has several.
     pub joint: Option<String>,
     /// Its columns, by their index in the file.
     pub columns: Vec<usize>,
@@ -42,6 +42,14 @@ pub struct Channels {
 /// The channels of a file, without the columns of its clock and its tests.
 pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
     let mut channels = Channels::default();
+    let roles: Vec<_> = (0..content.columns.len())
+        .map(|index| role(content, index))
+        .collect();
+    let only: Vec<_> = roles
+        .iter()
+        .map(|role| role.map(|(role, _)| role))
+        .collect();
+    let joints = joint::of(content, &only);
     for (index, column) in content.columns.iter().enumerate() {
         if clock.has(index) || tests == Some(index) {
             continue;
@@ -51,8 +59,8 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
             channels.unused.push(index);
             continue;
         }
-        match role(content, index) {
-            Some(role) => channels.take(content, index, role),
+        match roles[index] {
+            Some(role) => channels.take(content, (index, &joints[index]), role),
             None => channels.unused.push(index),
         }
     }
@@ -97,14 +105,17 @@ fn bad(column: &Column) -> Option<String> {
 
 impl Channels {
     /// Adds a column, to a channel that has its other axes already if there is one.
-    fn take(&mut self, content: &Content, index: usize, (role, certain): (Role, bool)) {
+    fn take(
+        &mut self,
+        content: &Content,
+        (index, joint): (usize, &Option<String>),
+        (role, certain): (Role, bool),
+    ) {
         let column = &content.columns[index];
-        let joint = name::index_of(&column.title);
-        let joint = joint.map(|at| column.title[at..].trim_matches(['[', ']']).to_string());
         let same = self
             .found
             .iter_mut()
-            .find(|channel| channel.role.value == role && channel.joint == joint);
+            .find(|channel| channel.role.value == role && channel.joint == *joint);
         let is_vector = role.entry().columns.contains(&3);
         match same {
             Some(channel)
@@ -123,7 +134,7 @@ impl Channels {
                 let unit = Guess::known(unit);
                 self.found.push(Channel {
                     role,
-                    joint,
+                    joint: joint.clone(),
                     columns: vec![index],
                     unit,
                 });
@@ -140,7 +151,7 @@ impl Channels {
         let mut rest = self.unused.iter().filter(numeric);
         if let (Some(&index), None) = (rest.next(), rest.next()) {
             self.unused.retain(|unused| *unused != index);
-            self.take(content, index, (Role::Deformation, false));
+            self.take(content, (index, &None), (Role::Deformation, false));
         }
     }
 

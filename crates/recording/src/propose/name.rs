@@ -3,6 +3,7 @@
 use super::super::role::{ROLES, Role};
 use super::super::stamp::TimeUnit;
 use super::super::unit::Unit;
+use super::words::{COUNTS, TIME, WORDS};
 
 /// The parts of a name.
 #[derive(Clone, Debug, Default)]
@@ -12,142 +13,6 @@ pub struct Name {
     /// Its unit as written, if it has one.
     pub unit: Option<String>,
 }
-
-/// Words of roles, in the order of the tests: all of the first and one of the second must be present. The last
-/// field tells whether they have no other meaning.
-const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
-    (
-        Role::LinkAcceleration,
-        &["link"],
-        &["acc", "accel", "acceleration"],
-        true,
-    ),
-    (
-        Role::TipAcceleration,
-        &[],
-        &[
-            "acc",
-            "accel",
-            "acceleration",
-            "accelerometer",
-            "adxl",
-            "beschleunigung",
-            "vibration",
-        ],
-        true,
-    ),
-    (Role::TipAcceleration, &[], &["ax", "ay", "az"], true),
-    (Role::Deformation, &[], &["deformation", "deflection"], true),
-    (
-        Role::Deformation,
-        &[],
-        &["strain", "flex", "bending"],
-        false,
-    ),
-    (Role::MotorCurrent, &[], &["current", "amps", "strom"], true),
-    (
-        Role::MotorVoltage,
-        &[],
-        &["voltage", "volts", "spannung"],
-        true,
-    ),
-    (
-        Role::Torque,
-        &[],
-        &["torque", "tau", "effort", "drehmoment"],
-        true,
-    ),
-    (Role::Force, &[], &["force", "kraft"], true),
-    (
-        Role::CommandPosition,
-        &[],
-        &[
-            "command",
-            "cmd",
-            "commanded",
-            "setpoint",
-            "target",
-            "reference",
-            "ref",
-            "desired",
-            "demand",
-            "demanded",
-            "soll",
-            "sollwert",
-            "sollposition",
-            // A name in data sets for machine learning.
-            "action",
-        ],
-        false,
-    ),
-    (
-        Role::MotorVelocity,
-        &["motor"],
-        &["velocity", "vel", "speed", "rpm"],
-        true,
-    ),
-    (
-        Role::LinkVelocity,
-        &["link"],
-        &["velocity", "vel", "speed"],
-        true,
-    ),
-    (
-        Role::LinkPosition,
-        &["link"],
-        &["position", "pos", "angle"],
-        true,
-    ),
-    (Role::LinkPosition, &[], &["link", "load", "arm"], false),
-    (
-        Role::TipPosition,
-        &[],
-        &["tip", "tcp", "tool", "ee", "tracker", "laser"],
-        false,
-    ),
-    (
-        Role::MotorPosition,
-        &["motor"],
-        &["position", "pos", "angle", "encoder"],
-        true,
-    ),
-    (
-        Role::MotorPosition,
-        &[],
-        &[
-            "motor",
-            "encoder",
-            "enc",
-            "joint",
-            "theta",
-            "q",
-            "position",
-            "pos",
-            "angle",
-            "state",
-            "actual",
-            "ist",
-            "istposition",
-            "winkel",
-        ],
-        false,
-    ),
-];
-
-/// Words for time, and words for counters.
-const TIME: &[&str] = &[
-    "time",
-    "t",
-    "timestamp",
-    "stamp",
-    "zeit",
-    "seconds",
-    "millis",
-    "micros",
-    "date",
-    "datetime",
-];
-const COUNTS: &[&str] = &["sample", "index", "n", "i", "row", "no", "nr", "count"];
 
 /// The parts of a name: `accel_x [mm/s^2]`, `tipY_mm`, `motor_speed_rad_s`.
 pub fn parse(name: &str) -> Name {
@@ -177,7 +42,8 @@ pub fn parse(name: &str) -> Name {
             .replace("s/2", "s2")
             .replace("per/", "")
             .replace("N/m", "N.m");
-        if is_unit(&tail) {
+        // A number at the end counts joints or sensors; it is not the unit `1`.
+        if is_unit(&tail) && tail.parse::<u64>().is_err() {
             let words = parts[..from]
                 .iter()
                 .map(|word| word.to_lowercase())
@@ -219,6 +85,11 @@ fn words(name: &str) -> Vec<String> {
     words
 }
 
+/// A word without the number at its end.
+fn bare(word: &String) -> &str {
+    word.trim_end_matches(|letter: char| letter.is_ascii_digit())
+}
+
 /// Whether a text is a unit of values or of time.
 pub fn is_unit(text: &str) -> bool {
     unit(text).is_some() || time_unit(text).is_some()
@@ -253,15 +124,13 @@ pub fn time_unit(text: &str) -> Option<TimeUnit> {
 impl Name {
     /// The role of a column with this name, and whether it is certain.
     pub fn role(&self) -> Option<(Role, bool)> {
-        let said = self.without_axis().join("_");
+        let said: Vec<_> = self.without_axis().iter().map(bare).collect();
+        let said = said.join("_").replace("__", "_");
+        let said = said.trim_matches('_');
         if let Some(entry) = ROLES.iter().find(|entry| entry.name == said) {
             return Some((entry.role, true));
         }
-        let has = |word: &&str| {
-            self.words
-                .iter()
-                .any(|own| own.trim_end_matches(char::is_numeric) == *word)
-        };
+        let has = |word: &&str| self.words.iter().any(|own| bare(own) == *word);
         let holds = |line: &&(Role, &[&str], &[&str], bool)| {
             line.1.iter().all(has) && line.2.iter().any(has)
         };
@@ -287,6 +156,15 @@ impl Name {
             .last()
             .is_some_and(|last| ["x", "y", "z"].contains(&last.as_str()));
         &self.words[..self.words.len() - usize::from(is_axis)]
+    }
+
+    /// The name without its last number, and that number.
+    pub fn numbered(&self) -> Option<(String, String)> {
+        let place = self.words.iter().rposition(|word| bare(word) != word)?;
+        let (stem, number) = self.words[place].split_at(bare(&self.words[place]).len());
+        let mut words = self.words.clone();
+        words[place] = stem.into();
+        Some((words.join(" "), number.into()))
     }
 
     /// Whether the name means time.

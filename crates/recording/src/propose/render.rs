@@ -6,7 +6,7 @@ use super::super::stamp::TimeUnit;
 use super::clock::{self, Clock};
 use super::columns::{self, Channel, Channels};
 use super::content::Content;
-use super::{Guess, Proposal, Proposed, manifest_name};
+use super::{Guess, Proposal, Proposed, joint, manifest_name};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
@@ -66,7 +66,13 @@ pub fn proposal(path: &Path, contents: &[Content]) -> Proposal {
             manifests.push(manifest(name, stem, one, test.as_deref()));
         }
     }
-    Proposal { manifests, open }
+    let found = files.iter().flat_map(|file| &file.channels.found);
+    let joints = joint::distinct(found.filter_map(|channel| channel.joint.as_ref()));
+    Proposal {
+        manifests,
+        open,
+        joints,
+    }
 }
 
 fn read(content: &Content) -> Read<'_> {
@@ -212,7 +218,7 @@ fn channel(file: &Read, channel: &Channel) -> String {
     let mut text = String::from("\n[[channel]]\n");
     text += &key("role", &quoted(channel.role.value.name()), &channel.role);
     if let Some(joint) = &channel.joint {
-        let _ = writeln!(text, "joint = {}", quoted(joint));
+        let _ = writeln!(text, "joint = {}  # the number in its name", quoted(joint));
     }
     let _ = writeln!(text, "file = {}", quoted(&name(file.content)));
     match &file.clock {
