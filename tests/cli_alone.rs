@@ -607,3 +607,104 @@ fn rounded_stamps_of_another_rate_make_no_modes_and_are_remarked_upon() {
         "{found}"
     );
 }
+
+/// A file of accelerations in a folder.
+fn accelerations(folder: &TempDir, name: &str, header: &str, axes: &[Vec<f64>]) {
+    let mut text = format!("time_s,{header}\n");
+    for k in 0..axes[0].len() {
+        let cells: Vec<String> = axes.iter().map(|axis| format!("{:.5}", axis[k])).collect();
+        writeln!(text, "{:.3},{}", k as f64 / RATE, cells.join(",")).unwrap();
+    }
+    std::fs::write(folder.path().join(name), text).unwrap();
+}
+
+fn quell(folder: &TempDir, command: &str) -> String {
+    let mut run = Command::cargo_bin("quell").unwrap();
+    let run = run.current_dir(folder.path()).args(command.split(' '));
+    String::from_utf8(run.assert().success().get_output().stdout.clone()).unwrap()
+}
+
+#[test]
+fn a_model_holds_all_modes_and_the_next_commands_take_the_same_shaper() {
+    let (mut rng, folder) = (generator(21), TempDir::new().unwrap());
+    let mut noisy = |one: &[f64], share: f64, other: &[f64]| -> Vec<f64> {
+        let pairs = one.iter().zip(other);
+        pairs
+            .map(|(a, b)| a + share * b + 0.02 * noise(&mut rng))
+            .collect()
+    };
+    let one = ring([8.2, 0.02, 5.0, 0.3], 4000);
+    let other = ring([21.0, 0.015, 4.0, 1.0], 4000);
+    let axes = [noisy(&one, 0.1, &other), noisy(&other, 0.1, &one)];
+    accelerations(&folder, "tap.csv", "accel_x_m_s2,accel_y_m_s2", &axes);
+    let told: Value = serde_json::from_str(&quell(&folder, "identify tap.csv --json")).unwrap();
+    let wanted = &told["recordings"][0]["recommended"];
+    let text = quell(&folder, "identify tap.csv");
+    assert!(text.contains("Hz along x, 2"), "{text}");
+    assert!(text.contains("Hz along y"), "{text}");
+    assert!(
+        text.ends_with("Next: quell compare --model out/model.toml --rate 1000\n"),
+        "{text}"
+    );
+
+    let model = quell::model::Model::from_path(folder.path().join("out/model.toml")).unwrap();
+    let [effect] = model.effects.as_slice() else {
+        panic!("{} effects", model.effects.len());
+    };
+    let value = |place: usize| effect.parameters[place].value;
+    assert!((value(1) / TAU / 21.0 - 1.0).abs() < 1e-3, "{}", value(1));
+    assert!(effect.parameters[1].std.is_some_and(|std| std < 0.1));
+    // The shares are those of positions: (4 / 21^2) beside (5 / 8.2^2).
+    assert!((value(0) / 0.109 - 1.0).abs() < 0.03, "{}", value(0));
+
+    let compared = quell(&folder, "compare --model out/model.toml --rate 1000 --json");
+    let compared: Value = serde_json::from_str(&compared).unwrap();
+    assert_eq!(compared["recommended"]["shaper"], wanted["shaper"]);
+    assert_eq!(compared["modes"].as_array().unwrap().len(), 2);
+    let shaper = wanted["shaper"].as_str().unwrap();
+    let text = quell(&folder, "compare --model out/model.toml --rate 1000");
+    let next = format!("Next: quell shape --shaper {shaper} --model out/model.toml --rate 1000\n");
+    assert!(text.ends_with(&next), "{text}");
+    let shape = format!("shape --shaper {shaper} --model out/model.toml --rate 1000 --json");
+    let shaped: Value = serde_json::from_str(&quell(&folder, &shape)).unwrap();
+    let (taps, wanted) = (&shaped["impulses"], &wanted["impulses"]);
+    assert_eq!(
+        taps.as_array().unwrap().len(),
+        wanted.as_array().unwrap().len()
+    );
+    for (tap, wanted) in taps
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(wanted.as_array().unwrap())
+    {
+        for (own, wanted) in [
+            (&tap["time_s"], &wanted[0]),
+            (&tap["amplitude"], &wanted[1]),
+        ] {
+            assert!(
+                (own.as_f64().unwrap() - wanted.as_f64().unwrap()).abs() < 1e-5,
+                "{shaped}"
+            );
+        }
+    }
+}
+
+#[test]
+fn each_recording_of_several_gets_its_model() {
+    let (mut rng, folder) = (generator(22), TempDir::new().unwrap());
+    for (name, hertz) in [("tap_x.csv", 9.0), ("tap_y.csv", 14.0)] {
+        let axis = ring([hertz, 0.02, 5.0, 0.3], 4000);
+        let axis = axis.iter().map(|a| a + 0.02 * noise(&mut rng)).collect();
+        accelerations(&folder, name, "accel_m_s2", &[axis]);
+    }
+    let text = quell(&folder, "identify tap_x.csv tap_y.csv");
+    let models = "Models: out/model_1_tap_x.toml, out/model_2_tap_y.toml\n\
+                  Next: quell compare --model out/model_1_tap_x.toml --rate 1000\n";
+    assert!(text.ends_with(models), "{text}");
+    let model = std::fs::read_to_string(folder.path().join("out/model_2_tap_y.toml")).unwrap();
+    assert!(
+        model.contains("from tap_y") && model.contains("value = 14.0"),
+        "{model}"
+    );
+}

@@ -12,17 +12,21 @@ use super::out::{Force, Out};
 use super::progress::Progress;
 use super::robot_args::{RobotArgs, robot};
 use super::{CliError, next, output, shaping, values};
+use crate::identification::ToldMode;
 use crate::page::number;
 use crate::plant::Robot;
 use candidate::{Candidate, Design};
 use choice::{Advice, Choice, Wish};
-use quell_shapers::{GridTrain, Mode, Shaper};
+use quell_shapers::{GridTrain, Mode, Shaper, UncertainMode};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use trial::{Simulated, Trial};
 
 /// Frequency errors in the table.
 const ERRORS: [f64; 5] = [-0.25, -0.10, 0.0, 0.10, 0.25];
+/// How well a frequency is known of which nothing tells it, one standard deviation in percent of it; and a damping ratio.
+const FREQUENCY_STD: f64 = 10.0;
+const DAMPING_STD: f64 = 0.02;
 /// Name of the report.
 const REPORT: &str = "compare.html";
 /// Points of a curve on either side of no error.
@@ -61,14 +65,15 @@ pub struct Args {
     /// Commands a second [default: the robot's].
     #[arg(long, value_name = "HZ", value_parser = values::positive, allow_negative_numbers = true)]
     rate: Option<f64>,
-    /// How well the frequency is known: one standard deviation, percent of it.
-    #[arg(long, value_name = "PERCENT", default_value_t = 10.0, value_parser = deviation,
+    /// How well the frequency is known: one standard deviation, percent of it [default: what --model or --recording
+    /// tells, else 10].
+    #[arg(long, value_name = "PERCENT", value_parser = deviation, allow_negative_numbers = true)]
+    frequency_std: Option<f64>,
+    /// How well the damping ratio is known: one standard deviation, as a ratio such as 0.02 [default: what --model or
+    /// --recording tells, else 0.02].
+    #[arg(long, value_name = "RATIO", value_parser = damping_deviation,
           allow_negative_numbers = true)]
-    frequency_std: f64,
-    /// How well the damping ratio is known: one standard deviation, as a ratio such as 0.02.
-    #[arg(long, value_name = "RATIO", default_value_t = 0.02, value_parser = damping_deviation,
-          allow_negative_numbers = true)]
-    damping_std: f64,
+    damping_std: Option<f64>,
     /// The residual vibration that is small enough, percent of the unshaped one.
     #[arg(long, value_name = "PERCENT", default_value_t = 5.0,
           value_parser = values::below_100_percent, allow_negative_numbers = true)]
@@ -115,7 +120,7 @@ fn damping_deviation(text: &str) -> Result<f64, String> {
 /// The compared shapers, and the modes that they are compared for.
 struct Comparison {
     machine: String,
-    modes: Vec<Mode>,
+    modes: Vec<UncertainMode>,
     rate: f64,
     spread: f64,
     candidates: Vec<Candidate>,
@@ -171,27 +176,28 @@ pub fn run(args: Args) -> Result<(), CliError> {
         "{}\nReport: {}\n{}",
         print::text(&comparison),
         report.display(),
-        next_command(&comparison)
+        next_command(&comparison, &args)
     ))
 }
 
 /// The next command: the recommended shaper's train; empty without a recommendation.
-fn next_command(comparison: &Comparison) -> String {
+fn next_command(comparison: &Comparison, args: &Args) -> String {
     let Some(choice) = comparison.choice() else {
         return String::new();
     };
     let shaper = ["shape", "--shaper", choice.figures.shaper.name()].map(String::from);
     let rate = ["--rate".into(), comparison.rate.to_string()];
-    let words = shaper.into_iter().chain(next::modes(&comparison.modes));
+    let modes: Vec<Mode> = comparison.modes.iter().map(|known| known.mode).collect();
+    let words = shaper.into_iter().chain(args.modes.options(&modes));
     next::command(words.chain(rate))
 }
 
 fn compare(args: &Args) -> Result<Comparison, CliError> {
     let mut robot = robot(args.robot_file())?;
-    let (joint, modes) = modes(args, &robot)?;
+    let (joint, told) = modes(args, &robot)?;
     robot.control_rate = args.rate.unwrap_or(robot.control_rate);
     let rate = robot.control_rate;
-    let mut candidates = candidate::all(&modes, 1.0 / rate);
+    let mut candidates = candidate::all(&told, 1.0 / rate);
     if let Some(Err(reason)) = candidates.first().map(|candidate| &candidate.design)
         && candidates.iter().all(|candidate| candidate.design.is_err())
     {
@@ -199,12 +205,12 @@ fn compare(args: &Args) -> Result<Comparison, CliError> {
         return Err(CliError::input(text));
     }
     let wish = Wish {
-        frequency_std: args.frequency_std / 100.0,
-        damping_std: args.damping_std,
+        frequency_std: args.frequency_std.unwrap_or(FREQUENCY_STD) / 100.0,
+        damping_std: args.damping_std.unwrap_or(DAMPING_STD),
         acceptable: args.acceptable / 100.0,
         max_delay: args.max_delay.unwrap_or(f64::INFINITY),
     };
-    let advice = choice::choose(&candidates, &modes, wish)?;
+    let advice = choice::choose(&candidates, &told, wish)?;
     let mut remarks = Vec::new();
     let mut unshaped = None;
     if let Some(joint) = joint {
@@ -213,10 +219,10 @@ fn compare(args: &Args) -> Result<Comparison, CliError> {
     Ok(Comparison {
         machine: match joint {
             Some(joint) => format!("{}, joint {}", robot.name, joint + 1),
-            None if modes.len() == 1 => "the given mode".into(),
+            None if told.len() == 1 => "the given mode".into(),
             None => "the given modes".into(),
         },
-        modes,
+        modes: told.iter().map(|told| wish.known(told)).collect(),
         rate,
         spread: args.spread / 100.0,
         candidates,
@@ -228,14 +234,20 @@ fn compare(args: &Args) -> Result<Comparison, CliError> {
 }
 
 /// The modes to shape for, and their joint, counted from 0.
-fn modes(args: &Args, robot: &Robot) -> Result<(Option<usize>, Vec<Mode>), CliError> {
-    let modes = args.modes.modes()?;
+fn modes(args: &Args, robot: &Robot) -> Result<(Option<usize>, Vec<ToldMode>), CliError> {
+    let mut modes = args.modes.told()?;
+    // What the user says of the uncertainty takes the place of what the source tells.
+    for told in &mut modes {
+        let is_said = [args.frequency_std, args.damping_std].map(|std| std.is_some());
+        told.natural_frequency_std = told.natural_frequency_std.filter(|_| !is_said[0]);
+        told.damping_ratio_std = told.damping_ratio_std.filter(|_| !is_said[1]);
+    }
     if !modes.is_empty() {
         return Ok((None, modes));
     }
     let joint = args.robot.joint_of(robot)?;
     let modes = robot.joints[joint].modes.iter().map(|entry| entry.mode);
-    let modes: Vec<Mode> = modes.collect();
+    let modes: Vec<ToldMode> = modes.map(ToldMode::from).collect();
     if modes.is_empty() {
         let (number, name) = (joint + 1, &robot.name);
         let text = format!("joint {number} of {name} has no mode in its description");

@@ -111,11 +111,19 @@ impl From<IdentificationError> for CliError {
 /// [`CliError::Input`] where recording or model is refused, or nothing vibrates.
 pub fn run(args: Args) -> Result<(), CliError> {
     let reads: Vec<&Path> = args.model.as_deref().into_iter().collect();
-    let open = |names: &[&str]| Out::open(&args.out, ("identify", args.force), &reads, names);
+    let open = |models: &[String]| {
+        let models = models.iter().map(String::as_str);
+        let names = std::iter::once(REPORT).chain(models);
+        Out::open(&args.out, ("identify", args.force), &reads, names)
+    };
+    let mut files = model::names(&args.recording);
     // A model.toml of another verb, or the one that is read, is not replaced.
-    let (out, model_file) = match open(&[REPORT, MODEL]) {
-        Ok(out) => (out, MODEL),
-        Err(_) => (open(&[REPORT, IDENTIFIED])?, IDENTIFIED),
+    let out = match open(&files) {
+        Err(_) if files == [MODEL] => {
+            files = vec![IDENTIFIED.into()];
+            open(&files)?
+        }
+        out => out?,
     };
     let mut recordings = Vec::new();
     for path in &args.recording {
@@ -126,21 +134,37 @@ pub fn run(args: Args) -> Result<(), CliError> {
     let identified = Identified::of(recordings, model.as_ref(), args.registration, &never)?;
     let stage = out.stage()?;
     stage.file(REPORT, identified.page().render())?;
-    let known = identified.model();
-    if let Some(text) = &known {
-        stage.file(model_file, text)?;
+    let mut written = Vec::new();
+    for (file, model) in files.iter().zip(identified.models()) {
+        if let Some(text) = model {
+            stage.file(file, text)?;
+            written.push(args.out.join(file));
+        }
     }
     stage.put()?;
     if args.json {
         return output::json(&identified.document());
     }
-    let next = known.map(|_| identified.next(&args.out.join(model_file)));
     output::text(&format!(
         "{}\nReport: {}\n{}",
         identified.text(),
         args.out.join(REPORT).display(),
-        next.unwrap_or_default()
+        ends(&written)
     ))
+}
+
+/// The last lines: the models where there are several, and the next command with the first.
+fn ends(models: &[PathBuf]) -> String {
+    let next = models.first().map(|first| model::next(first));
+    let names: Vec<String> = models
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect();
+    let all = match names.len() {
+        0 | 1 => String::new(),
+        _ => format!("Models: {}\n", names.join(", ")),
+    };
+    all + &next.unwrap_or_default()
 }
 
 impl Findings {

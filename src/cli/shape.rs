@@ -5,6 +5,7 @@ mod command_file;
 use super::mode_args::ModeArgs;
 use super::out::Force;
 use super::{CliError, choices, next, output, shaping, values};
+use crate::identification::ToldMode;
 use crate::page::{columns, number};
 use quell_shapers::{
     Band, GridTrain, ImpulseTrain, Mode, Optimal, Shaper, UncertainMode, design_for_all,
@@ -39,7 +40,7 @@ pub struct Args {
     #[command(flatten)]
     pub modes: ModeArgs,
     /// Standard deviation of the frequency, in percent of it, that `optimal` is solved for, with --mode once
-    /// [default: it may be off by 10 % and the damping ratio by half].
+    /// [default: what --model or --recording tells; else it may be off by 10 % and the damping ratio by half].
     #[arg(long, value_name = "PERCENT", value_parser = values::positive,
           allow_negative_numbers = true)]
     pub frequency_std: Option<f64>,
@@ -113,21 +114,22 @@ fn next_command(design: &Design, args: &Args) -> String {
     let shaper = ["shape", "--shaper", design.shaper.name()]
         .map(String::from)
         .into_iter();
-    let words = shaper.chain(next::modes(&design.modes));
+    let words = shaper.chain(args.modes.options(&design.modes));
     let rate = ["--rate".into(), args.rate.to_string()];
     let file = ["COMMAND.csv", "--column", "NAME"].map(String::from);
     next::command(words.chain(rate).chain(file))
 }
 
 fn design(args: &Args) -> Result<Design, CliError> {
-    let modes = args.modes.modes()?;
-    if modes.is_empty() {
+    let told = args.modes.told()?;
+    if told.is_empty() {
         let error = CliError::input("the modes to shape for are not said");
         return Err(
             error.with_help("give --mode 8.12,0.084, --model FILE or --recording RECORDING")
         );
     }
-    let known = known(args, &modes)?;
+    let known = known(args, &told)?;
+    let modes = told.iter().map(|told| told.mode).collect();
     let train = design_for_all(args.shaper, &known).map_err(CliError::input)?;
     let grid = shaping::train(args.shaper, known, 1.0 / args.rate).map_err(CliError::input)?;
     Ok(Design {
@@ -138,13 +140,12 @@ fn design(args: &Args) -> Result<Design, CliError> {
     })
 }
 
-/// The modes with their given uncertainty.
-fn known(args: &Args, modes: &[Mode]) -> Result<Vec<UncertainMode>, CliError> {
-    let believed = modes.iter().copied().map(UncertainMode::believed);
+/// The modes with their given uncertainty, or what their source tells of it.
+fn known(args: &Args, told: &[ToldMode]) -> Result<Vec<UncertainMode>, CliError> {
     let Some(percent) = args.frequency_std else {
-        return Ok(believed.collect());
+        return Ok(told.iter().map(ToldMode::or_believed).collect());
     };
-    let &[mode] = modes else {
+    let &[ToldMode { mode, .. }] = told else {
         return Err(CliError::input(
             "--frequency-std is of one mode, and there are several",
         ));

@@ -11,6 +11,7 @@ mod recommended;
 mod run;
 pub mod stop;
 mod stretches;
+mod told_mode;
 mod whole_fit;
 
 pub use amplitude::{AmplitudeDependence, CycleDamping};
@@ -21,6 +22,7 @@ pub use quell_model::ModelError;
 pub use recommended::{Recommended, Why};
 pub use run::{OffLine, OnLine, Run};
 pub use stretches::Stretch;
+pub use told_mode::ToldMode;
 
 use evidence::Evidence;
 use run::Input;

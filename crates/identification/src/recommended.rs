@@ -26,6 +26,8 @@ pub struct Recommended {
     pub mode: UncertainMode,
     /// The second mode, if it has two.
     pub further: Option<UncertainMode>,
+    /// Share of the second mode in the deformation, where the motion as known input tells it.
+    pub further_share: Option<f64>,
     /// A second mode that improves the fit of the whole, but does not show in the strongest free decay.
     pub doubted: Option<UncertainMode>,
     /// Scatter between the fits of separate stretches beyond their own deviations: one standard deviation of
@@ -58,13 +60,20 @@ impl Identification {
             method,
             mode: widen(mode),
             further: further.map(widen),
+            further_share: None,
             doubted: None,
             between,
             why,
         };
         let ran = |line: &'static EstimatorEntry, index: usize| {
-            let result = self.quoted(index)?.estimator(line.name)?;
-            Some((line.name, result.estimate?, result.further))
+            let run = self.quoted(index)?;
+            let result = run.estimator(line.name)?;
+            Some((
+                line.name,
+                result.estimate?,
+                result.further,
+                !run.is_free_decay,
+            ))
         };
         let mut stating = ESTIMATORS
             .iter()
@@ -75,16 +84,21 @@ impl Identification {
             .filter_map(|(index, line)| ran(line, index))
             .find(|own| own.2.is_some());
         let doubted = two.filter(|own| !self.rings_with_two(own.0));
-        if let Some((name, first, further)) = two.filter(|_| doubted.is_none()) {
+        if let Some((name, first, further, moves)) = two.filter(|_| doubted.is_none()) {
+            // The gains of all modes together follow the motor side.
+            let share = further.map(|own| own.gain / (first.gain + own.gain));
             let further = further.as_ref().map(uncertain);
-            return Some(told(name, uncertain(&first), further, Why::TwoModes));
+            return Some(Recommended {
+                further_share: share.filter(|_| moves),
+                ..told(name, uncertain(&first), further, Why::TwoModes)
+            });
         }
         let doubted = doubted.and_then(|own| own.2.as_ref().map(uncertain));
         let why = match self.known_input_holds {
             Some(false) => Why::Decay,
             _ => Why::Motion,
         };
-        if let Some((name, one, _)) = stating.find_map(|(index, line)| ran(line, index)) {
+        if let Some((name, one, ..)) = stating.find_map(|(index, line)| ran(line, index)) {
             let best = told(name, uncertain(&one), None, why);
             return Some(Recommended { doubted, ..best });
         }

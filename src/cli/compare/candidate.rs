@@ -2,9 +2,9 @@
 
 use super::trial::Simulated;
 use crate::cli::shaping;
+use crate::identification::ToldMode;
 use quell_shapers::{
-    GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, ShaperError, UncertainMode, insensitivity,
-    residual_vibration,
+    GridTrain, ImpulseTrain, Mode, SHAPERS, Shaper, ShaperError, insensitivity, residual_vibration,
 };
 
 /// Residual vibration that defines the insensitivity.
@@ -31,7 +31,7 @@ pub struct Design {
 }
 
 /// Every shaper, designed for all the modes at once.
-pub fn all(modes: &[Mode], sample_time: f64) -> Vec<Candidate> {
+pub fn all(modes: &[ToldMode], sample_time: f64) -> Vec<Candidate> {
     let candidate = |&shaper: &&'static dyn Shaper| Candidate {
         shaper,
         design: Design::new(shaper, modes, sample_time).map_err(|error| error.to_string()),
@@ -40,12 +40,10 @@ pub fn all(modes: &[Mode], sample_time: f64) -> Vec<Candidate> {
 }
 
 impl Design {
-    fn new(shaper: &dyn Shaper, modes: &[Mode], sample_time: f64) -> Result<Self, ShaperError> {
-        let train = shaping::train(
-            shaper,
-            modes.iter().copied().map(UncertainMode::believed),
-            sample_time,
-        )?;
+    fn new(shaper: &dyn Shaper, told: &[ToldMode], sample_time: f64) -> Result<Self, ShaperError> {
+        let known = told.iter().map(ToldMode::or_believed);
+        let train = shaping::train(shaper, known, sample_time)?;
+        let modes: Vec<Mode> = told.iter().map(|told| told.mode).collect();
         let impulses = train.to_impulses();
         let mut insensitive = None;
         if let Some(mode) = modes.first() {
@@ -58,7 +56,7 @@ impl Design {
             insensitivity,
             simulated: None,
             impulses,
-            modes: modes.to_vec(),
+            modes,
         })
     }
 

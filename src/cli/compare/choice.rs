@@ -2,12 +2,13 @@
 
 use super::candidate::Candidate;
 use crate::cli::CliError;
+use crate::identification::ToldMode;
 use quell_shapers::{
-    Criterion, Mode, Reason, Recommendation, Requirements, Shaper, ShaperError, Standing,
-    UncertainMode, recommend,
+    Criterion, Reason, Recommendation, Requirements, Shaper, ShaperError, Standing, UncertainMode,
+    recommend,
 };
 
-/// The uncertainty of the modes, and the requirements on the shaper.
+/// The uncertainty of modes of which nothing tells it, and the requirements on the shaper.
 #[derive(Clone, Copy)]
 pub struct Wish {
     /// One standard deviation of each frequency over that frequency.
@@ -18,6 +19,14 @@ pub struct Wish {
     pub acceptable: f64,
     /// The longest delay, s; infinity for any.
     pub max_delay: f64,
+}
+
+impl Wish {
+    /// A mode with the deviations that are told with it, or with these.
+    pub fn known(&self, told: &ToldMode) -> UncertainMode {
+        let frequency_std = self.frequency_std * told.mode.natural_frequency();
+        told.or(frequency_std, self.damping_std)
+    }
 }
 
 /// A shaper's figures over the uncertainty, from the crate of shapers.
@@ -49,24 +58,23 @@ pub struct Advice {
 ///
 /// # Errors
 /// [`CliError::Input`] where a standard deviation is refused.
-pub fn choose(candidates: &[Candidate], modes: &[Mode], wish: Wish) -> Result<Advice, CliError> {
+pub fn choose(
+    candidates: &[Candidate],
+    modes: &[ToldMode],
+    wish: Wish,
+) -> Result<Advice, CliError> {
     let max_delay = f64::INFINITY;
     let all = ask(modes, Wish { max_delay, ..wish })?;
     let found = ask(modes, wish)?;
     Ok(Advice {
         figures: all.map_or(Vec::new(), |all| all.candidates.to_vec()),
-        choice: found.and_then(|found| pick(candidates, &found, wish)),
+        choice: found.and_then(|found| pick(candidates, &found, (wish, known(modes, wish)))),
     })
 }
 
 /// The crate's recommendation; `None` if no shaper is within the delay.
-fn ask(modes: &[Mode], wish: Wish) -> Result<Option<Recommendation>, CliError> {
-    let estimate = |&mode: &Mode| UncertainMode {
-        mode,
-        natural_frequency_std: wish.frequency_std * mode.natural_frequency(),
-        damping_ratio_std: wish.damping_std,
-    };
-    let estimates: Vec<UncertainMode> = modes.iter().map(estimate).collect();
+fn ask(modes: &[ToldMode], wish: Wish) -> Result<Option<Recommendation>, CliError> {
+    let estimates: Vec<UncertainMode> = modes.iter().map(|told| wish.known(told)).collect();
     let requirements = Requirements {
         longest_delay: wish.max_delay,
         criterion: Criterion::Worst95,
@@ -82,7 +90,11 @@ fn ask(modes: &[Mode], wish: Wish) -> Result<Option<Recommendation>, CliError> {
 }
 
 /// The recommended shaper, or the best of the others if it does not fit on the grid.
-fn pick(candidates: &[Candidate], found: &Recommendation, wish: Wish) -> Option<Choice> {
+fn pick(
+    candidates: &[Candidate],
+    found: &Recommendation,
+    (wish, known): (Wish, String),
+) -> Option<Choice> {
     let on_grid = |one: &Figures| delay_on_grid(candidates, one.shaper, wish.max_delay);
     let (figures, delay, why) = match on_grid(&found.best) {
         Ok(delay) => (found.best, delay, reason(found, wish)),
@@ -99,7 +111,6 @@ fn pick(candidates: &[Candidate], found: &Recommendation, wish: Wish) -> Option<
         }
     };
     let name = figures.shaper.name();
-    let known = known(wish);
     Some(Choice {
         figures,
         reason: format!("{name}, which adds {delay:.3} s: {why}, {known}."),
@@ -159,10 +170,19 @@ fn shorter(found: &Recommendation) -> String {
 }
 
 /// The uncertainty that the residuals hold for, in words.
-fn known(wish: Wish) -> String {
+fn known(modes: &[ToldMode], wish: Wish) -> String {
+    let is_told =
+        |told: &ToldMode| told.natural_frequency_std.is_some() && told.damping_ratio_std.is_some();
+    if modes.iter().all(is_told) {
+        return "for 95 % of what the deviations that are told with the modes allow".into();
+    }
+    let else_known = match modes.iter().any(is_told) {
+        true => ", where nothing else is told with it",
+        false => "",
+    };
     format!(
         "for 95 % of the machines whose frequency is known to {} and damping ratio to {} \
-         (one standard deviation)",
+         (one standard deviation{else_known})",
         percent(wish.frequency_std),
         wish.damping_std,
     )

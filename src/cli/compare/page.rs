@@ -6,7 +6,11 @@ use crate::page::{Cell, Chart, Figure, Page, Table, Verdict};
 
 /// The page: advice first, then table, curves and trains.
 pub fn page(comparison: &Comparison) -> Page {
-    let modes: Vec<String> = comparison.modes.iter().map(describe).collect();
+    let modes: Vec<String> = comparison
+        .modes
+        .iter()
+        .map(|known| describe(&known.mode))
+        .collect();
     let mut page = Page::new(format!("Shapers for {}", comparison.machine)).subtitle(format!(
         "{}, commands at {} Hz",
         modes.join(" and "),

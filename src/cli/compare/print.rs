@@ -8,7 +8,11 @@ use serde_json::{Value, json};
 
 /// The text for a terminal.
 pub fn text(comparison: &Comparison) -> String {
-    let modes: Vec<String> = comparison.modes.iter().map(describe).collect();
+    let modes: Vec<String> = comparison
+        .modes
+        .iter()
+        .map(|known| describe(&known.mode))
+        .collect();
     let [e1, e2, e3, e4, e5] = ERRORS.map(percent_label);
     let first = format!("V at {e1}");
     let header = [
@@ -110,17 +114,19 @@ fn row(comparison: &Comparison, candidate: &Candidate) -> [String; 10] {
 pub fn document(comparison: &Comparison) -> Value {
     let shapers = comparison.candidates.iter();
     let shapers = shapers.map(|candidate| shaper(comparison, candidate));
-    let modes = comparison
-        .modes
-        .iter()
-        .map(|mode| json!({"frequency_hz": mode.hertz(), "damping_ratio": mode.damping_ratio()}));
+    let modes = comparison.modes.iter().map(|known| {
+        json!({
+            "frequency_hz": known.mode.hertz(),
+            "damping_ratio": known.mode.damping_ratio(),
+            "frequency_std_hz": known.natural_frequency_std / std::f64::consts::TAU,
+            "damping_std": known.damping_ratio_std,
+        })
+    });
     let wish = comparison.wish;
     json!({
         "machine": comparison.machine,
         "rate_hz": comparison.rate,
         "modes": modes.collect::<Vec<_>>(),
-        "frequency_std_percent": 100.0 * wish.frequency_std,
-        "damping_std": wish.damping_std,
         "acceptable_v": wish.acceptable,
         "max_delay_s": Some(wish.max_delay).filter(|delay| delay.is_finite()),
         "unshaped_simulated_mm": comparison.unshaped.as_ref().map(|moved| &moved.residual_mm),

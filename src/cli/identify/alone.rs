@@ -168,6 +168,12 @@ impl Alone {
         )
     }
 
+    /// The axis along which a mode is strongest, if there are several.
+    pub fn axis(&self, hertz: f64) -> Option<char> {
+        let place = self.vibration.strongest_axis(hertz)?;
+        ['x', 'y', 'z'].get(place).copied()
+    }
+
     /// The modes that the shaper is for.
     pub fn shaped_for(&self) -> Vec<UncertainMode> {
         shaped_for(&self.found.modes)

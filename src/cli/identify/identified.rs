@@ -11,7 +11,7 @@ use crate::recording::Recording;
 use crate::signal::TipRegistration;
 use quell_shapers::UncertainMode;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The result for one recording, or for several without a known input.
 pub struct Identified(Kind);
@@ -87,23 +87,17 @@ impl Identified {
         }
     }
 
-    /// The text of `model.toml`; `None` if no mode is known.
-    pub fn model(&self) -> Option<String> {
+    /// The texts of the models, one for each recording; `None` for one of which no mode is known.
+    pub fn models(&self) -> Vec<Option<String>> {
         match &self.0 {
-            Kind::Driven(_) => {
-                let modes = self.modes();
-                (!modes.is_empty()).then(|| model::text(&modes))
+            Kind::Driven(findings) => {
+                let best = findings.found.recommended();
+                vec![best.map(|best| model::of_driven(&findings.recording, &best))]
             }
             Kind::Alone(all, _) => {
-                let modes = &all.first()?.found.modes;
-                let known: Vec<_> = modes.iter().map(|mode| mode.known).collect();
-                Some(model::text(&known))
+                let text = |one| Some(model::of_alone(one));
+                all.iter().map(text).collect()
             }
         }
-    }
-
-    /// The next command, with the model in this file.
-    pub(super) fn next(&self, file: &Path) -> String {
-        model::next(&self.modes(), file)
     }
 }

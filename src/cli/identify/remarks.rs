@@ -41,9 +41,31 @@ impl Alone {
         );
         remarks.extend(found.left_out.iter().map(left_out));
         remarks.extend(found.modes.iter().filter_map(dependence));
+        remarks.extend(self.axes());
         let slowest = found.modes.first().map(|mode| mode.known.mode.hertz());
         remarks.extend(slowest.and_then(words::slow));
         remarks
+    }
+}
+
+impl Alone {
+    /// A sentence on the axes of the modes, where they differ.
+    fn axes(&self) -> Option<String> {
+        let hertz = self
+            .shaped_for()
+            .into_iter()
+            .map(|known| known.mode.hertz());
+        let of: Vec<(char, f64)> = hertz.filter_map(|f| Some((self.axis(f)?, f))).collect();
+        if of.iter().all(|own| own.0 == of[0].0) {
+            return None;
+        }
+        let one = |(axis, hertz): &(char, f64)| format!("{hertz:.3} Hz along {axis}");
+        let all: Vec<String> = of.iter().map(one).collect();
+        Some(format!(
+            "Strongest: {}. The model has the modes of all axes; an axis of the machine that excites only its own is shaped for it \
+             by --mode F,XI in the place of --model.",
+            all.join(", ")
+        ))
     }
 }
 

@@ -1,9 +1,10 @@
 //! A channel as evenly spaced samples.
 
 use crate::IdentificationError;
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix};
 use quell_recording::{Channel, Recording, Role};
 use quell_signal::{CubicSpline, End, SignalError};
+use std::f64::consts::TAU;
 
 /// Roles of vibrating channels, the preferred one first.
 const ROLES: [Role; 8] = [
@@ -46,6 +47,22 @@ impl Vibration {
     pub fn is_still(&self) -> bool {
         let still = |axis: &Vec<f64>| axis.iter().all(|value| *value == axis[0]);
         self.axes.iter().all(still)
+    }
+
+    /// The place of the axis with the largest Fourier coefficient at a frequency, Hz; `None` with a single axis.
+    pub fn strongest_axis(&self, hertz: f64) -> Option<usize> {
+        let size = |axis: &Vec<f64>| {
+            let mean = axis.iter().sum::<f64>() / axis.len() as f64;
+            let turn = Complex::from_polar(1.0, TAU * hertz / self.rate);
+            // Horner's rule: the sum of the samples times powers of the turn.
+            let sum = axis.iter().fold(Complex::new(0.0, 0.0), |sum, value| {
+                sum * turn + (value - mean)
+            });
+            sum.norm()
+        };
+        let sizes = self.axes.iter().map(size).enumerate();
+        let most = sizes.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (self.axes.len() > 1).then_some(most.0)
     }
 
     /// The vibration along the direction of most motion, the first principal component of the axes. A sum of
