@@ -90,6 +90,34 @@ fn forms() -> Vec<(&'static str, String, Vec<&'static str>, bool)> {
             true,
         ),
         (
+            "uhr.csv",
+            // The first midnight is passed.
+            "Uhrzeit;Beschleunigung [mm/s\u{b2}]\n".to_owned()
+                + &rows(|k| {
+                    let (day, second) = (if k < 2000 { "23:59" } else { "0:00" }, (k + 58_000) % 60_000);
+                    comma(format!("{day}:{:06.3};{:.5}\n", ms(second), decay(ms(k))))
+                }),
+            vec!["time_unit = \"iso\"", "decimal = \",\""],
+            true,
+        ),
+        (
+            "logger.csv",
+            "time,accel_x_mm_s2\n".to_owned()
+                + &rows(|k| format!("2024-05-03 12:01:{:06.3},{:.5}\n", ms(k), decay(ms(k)))),
+            vec!["time_unit = \"iso\"", "unit = \"mm/s^2\""],
+            true,
+        ),
+        (
+            "datum.csv",
+            "Zeit;Beschleunigung [g]\n".to_owned()
+                + &rows(|k| {
+                    let cells = comma(format!("{:06.3};{:.5}\n", ms(k), decay(ms(k))));
+                    format!("03.05.2024 12:01:{cells}")
+                }),
+            vec!["time_unit = \"dmy\"", "unit = \"g\""],
+            true,
+        ),
+        (
             "commented.csv",
             "# machine 4\n# time_s, tipAccel_g\n".to_owned()
                 + &rows(|k| {
@@ -512,5 +540,48 @@ fn each_joint_of_a_file_is_inspected_and_one_is_identified() {
             .as_f64()
             .or(found["recordings"][0]["modes"][0]["frequency_hz"].as_f64());
         assert!((hertz.unwrap_or(0.0) / 12.0 - 1.0).abs() < 1e-2, "{text}");
+    }
+}
+
+#[test]
+fn german_and_french_headers_are_understood() {
+    for (header, roles) in [
+        (
+            "Zeit;Motorposition [deg];Drehmoment [Nm];Strom [A];Geschwindigkeit [rad/s]",
+            [
+                "motor_position",
+                "torque",
+                "motor_current",
+                "motor_velocity",
+            ],
+        ),
+        (
+            "temps;position moteur [rad];couple [Nm];courant [A];vitesse [rad/s]",
+            [
+                "motor_position",
+                "torque",
+                "motor_current",
+                "motor_velocity",
+            ],
+        ),
+    ] {
+        let line = |k: usize| {
+            let x = decay(k as f64 / 1000.0);
+            format!(
+                "{:.3};{x:.4};{:.4};{:.4};{:.4}\n",
+                k as f64 / 1000.0,
+                2.0 * x,
+                3.0 * x,
+                4.0 * x
+            )
+        };
+        let folder = write("werte.csv", &(format!("{header}\n") + &rows(line)));
+        json("inspect", Path::new("werte.csv"), &folder);
+        let manifest = std::fs::read_to_string(folder.path().join("recording.toml")).unwrap();
+        let told = manifest
+            .lines()
+            .filter_map(|line| line.strip_prefix("role = \""));
+        let told: Vec<_> = told.filter_map(|role| role.split('"').next()).collect();
+        assert_eq!(told, roles, "{manifest}");
     }
 }

@@ -79,8 +79,9 @@ struct Entry {
     file: Spanned<PathBuf>,
     /// Column with the stamps, s. Of an MCAP file `log_time`, `publish_time` or a field; `header.stamp` where absent.
     time: Option<Spanned<String>>,
-    /// Unit of the stamps: `s`, `ms`, `us`, `ns`, `min`, or `iso` for dates of ISO 8601; `s` where absent. With this key
-    /// stamps since an epoch are told from the first one's whole second on. Not for MCAP.
+    /// Unit of the stamps: `s`, `ms`, `us`, `ns`, `min`; `iso` for dates of ISO 8601 and times of day as `12:01:02.5`, or `dmy` for
+    /// `03.05.2024 12:01:02,5`; `s` where absent. With this key stamps since an epoch are told from the first one's whole second
+    /// on, and a time of day goes on over midnight. Not for MCAP.
     time_unit: Option<Spanned<String>>,
     /// Samples a second, Hz, instead of `time`; not for MCAP.
     rate_hz: Option<Spanned<f64>>,

@@ -1,4 +1,4 @@
-//! Stamps in other units than seconds: milliseconds, an epoch's nanoseconds, dates of ISO 8601.
+//! Stamps in other units than seconds: milliseconds, an epoch's nanoseconds, dates and times of day.
 
 use toml::value::Datetime;
 
@@ -15,8 +15,10 @@ pub enum TimeUnit {
     Nanoseconds,
     /// Minutes.
     Minutes,
-    /// Date and time by ISO 8601, as `2024-05-01T12:00:00.250Z`.
+    /// Date and time by ISO 8601, as `2024-05-01T12:00:00.250Z`; or a time of day, as `12:00:00.250`.
     Iso,
+    /// Day, month, year and time, as `01.05.2024 12:00:00,250`.
+    DayFirst,
 }
 
 /// All units of time, with their names in a manifest and the nanoseconds that each has.
@@ -27,6 +29,7 @@ pub const TIME_UNITS: &[(TimeUnit, &str, i128)] = &[
     (TimeUnit::Nanoseconds, "ns", 1),
     (TimeUnit::Minutes, "min", 60_000_000_000),
     (TimeUnit::Iso, "iso", 1),
+    (TimeUnit::DayFirst, "dmy", 1),
 ];
 
 /// Origin of stamps since an epoch: the whole second of the first one, s. All channels of a recording share it.
@@ -36,6 +39,8 @@ pub type Origin = Option<i128>;
 const EPOCH: i128 = 100_000_000;
 /// Nanoseconds a second.
 const GIGA: i128 = 1_000_000_000;
+/// Seconds a day.
+const DAY: f64 = 86_400.0;
 /// Digits behind the point, beyond nanoseconds, that are kept.
 const DIGITS: usize = 9;
 
@@ -51,6 +56,20 @@ impl TimeUnit {
         TIME_UNITS[self as usize].1
     }
 
+    /// Whether stamps are dates or times of day, and not numbers.
+    pub fn is_text(self) -> bool {
+        matches!(self, Self::Iso | Self::DayFirst)
+    }
+
+    /// A stamp after another one, s: a time of day that has fallen by more than half a day is of the next.
+    pub(super) fn after(self, previous: f64, stamp: f64, cell: &str) -> f64 {
+        let is_of_day = self == Self::Iso && cell.trim().find(':').is_some_and(|at| at <= 2);
+        match is_of_day {
+            true => stamp + DAY * ((previous - stamp) / DAY).round().max(0.0),
+            false => stamp,
+        }
+    }
+
     /// Seconds that one of them has.
     pub fn in_seconds(self) -> f64 {
         TIME_UNITS[self as usize].2 as f64 / GIGA as f64
@@ -60,8 +79,13 @@ impl TimeUnit {
     ///
     /// The origin of an epoch is subtracted before rounding: a double has a resolution of 0.2 us there.
     pub fn seconds(self, cell: &str, origin: &mut Origin) -> Option<f64> {
-        if self == Self::Iso {
-            return Some(since(nanoseconds(cell)? * 10i128.pow(9), origin));
+        let date = match self {
+            Self::Iso => Some(nanoseconds(cell)?),
+            Self::DayFirst => Some(nanoseconds(&year_first(cell)?)?),
+            _ => None,
+        };
+        if let Some(date) = date {
+            return Some(since(date * GIGA, origin));
         }
         let value: f64 = cell.parse().ok()?;
         let nanoseconds = TIME_UNITS[self as usize].2;
@@ -102,11 +126,14 @@ fn since(stamp: i128, origin: &mut Origin) -> f64 {
     rest.div_euclid(second) as f64 + rest.rem_euclid(second) as f64 / second as f64
 }
 
-/// A date and time of ISO 8601 as nanoseconds since 1970-01-01; a time zone is subtracted, where there is one.
+/// A date and time of ISO 8601 as nanoseconds since 1970-01-01, or a time of day since its midnight; a time zone is
+/// subtracted, where there is one.
 fn nanoseconds(cell: &str) -> Option<i128> {
-    let stamp: Datetime = cell.trim().replace(',', ".").parse().ok()?;
-    let (date, time) = (stamp.date?, stamp.time?);
-    let days = days(date.year.into(), date.month.into(), date.day.into());
+    let stamp: Datetime = plain(cell).parse().ok()?;
+    let time = stamp.time?;
+    let days = stamp.date.map_or(0, |date| {
+        days(date.year.into(), date.month.into(), date.day.into())
+    });
     let minutes = match stamp.offset {
         Some(toml::value::Offset::Custom { minutes }) => i128::from(minutes),
         _ => 0,
@@ -114,6 +141,35 @@ fn nanoseconds(cell: &str) -> Option<i128> {
     let of_day = 3600 * i128::from(time.hour) + 60 * (i128::from(time.minute) - minutes);
     let seconds = 86_400 * days + of_day + i128::from(time.second.unwrap_or(0));
     Some(seconds * GIGA + i128::from(time.nanosecond.unwrap_or(0)))
+}
+
+/// A stamp with a point, two digits of the hour and a colon in the time zone: `9:01:02,5` and `+0200` have none.
+fn plain(cell: &str) -> String {
+    let mut cell = cell.trim().replace(',', ".");
+    let begins = cell.find(['T', ' ']).map_or(0, |at| at + 1);
+    if cell[begins..].find(':') == Some(1) {
+        cell.insert(begins, '0');
+    }
+    let zone = cell[begins..].find(['+', '-']).map(|at| begins + at + 1);
+    if let Some(zone) = zone
+        && cell.len() == zone + 4
+        && cell[zone..].bytes().all(|digit| digit.is_ascii_digit())
+    {
+        cell.insert(zone + 2, ':');
+    }
+    cell
+}
+
+/// `2024-05-01 12:00:00,250` of `01.05.2024 12:00:00,250`; a year of two digits is of this century.
+fn year_first(cell: &str) -> Option<String> {
+    let (date, time) = cell.trim().split_once([' ', 'T'])?;
+    let mut parts = date.split('.');
+    let (day, month, year) = (parts.next()?, parts.next()?, parts.next()?);
+    let century = if year.len() == 2 { "20" } else { "" };
+    Some(format!(
+        "{century}{year}-{month:0>2}-{day:0>2} {}",
+        time.trim()
+    ))
 }
 
 /// Days of the Gregorian calendar since 1970-01-01.
@@ -153,6 +209,36 @@ mod tests {
                 "{text}"
             );
         }
+    }
+
+    #[test]
+    fn times_of_day_and_other_orders_are_read() {
+        let seconds = |unit: TimeUnit, cell: &str| unit.seconds(cell, &mut Some(0));
+        let day = |seconds: f64| Some(seconds + 1_714_694_400.0);
+        for (unit, cell, told) in [
+            (TimeUnit::Iso, "12:01:02.123", Some(43_262.123)),
+            (TimeUnit::Iso, "9:01:02,5", Some(32_462.5)),
+            (TimeUnit::Iso, "2024-05-03 12:01:02.25", day(43_262.25)),
+            (TimeUnit::Iso, "2024-05-03T12:01:02,25+0200", day(36_062.25)),
+            (TimeUnit::DayFirst, "03.05.2024 12:01:02,25", day(43_262.25)),
+            (TimeUnit::DayFirst, "3.5.24 9:01:02", day(32_462.0)),
+            (TimeUnit::DayFirst, "03.13.2024 12:01:02", None),
+            (TimeUnit::DayFirst, "2024-05-03 12:01:02", None),
+            (TimeUnit::Iso, "25:01:02", None),
+            (TimeUnit::Iso, "", None),
+            (TimeUnit::Iso, "+1\u{20ac}", None),
+        ] {
+            assert_eq!(seconds(unit, cell), told, "{cell}");
+        }
+    }
+
+    #[test]
+    fn midnight_is_passed_by_times_of_day_alone() {
+        let next = |cell| TimeUnit::Iso.after(86_399.9, 0.1, cell);
+        assert_eq!(next("00:00:00.1"), 86_400.1);
+        assert_eq!(next("2024-05-03 00:00:00.1"), 0.1);
+        // What runs back by less is no midnight.
+        assert_eq!(TimeUnit::Iso.after(10.0, 4.0, "00:00:04"), 4.0);
     }
 
     #[test]

@@ -166,7 +166,7 @@ impl Table {
         origin: &mut Origin,
     ) -> Result<Vec<f64>, RecordingError> {
         let index = self.index(name)?;
-        let mut stamps = Vec::new();
+        let (mut stamps, mut previous) = (Vec::new(), 0.0);
         for row in self.body() {
             let (offset, record) = row?;
             let cell = record[index].trim();
@@ -182,7 +182,8 @@ impl Table {
                 let problem = Problem::NotATime { text, unit };
                 self.at_cell(problem, self.line(offset), &self.header[index])
             })?;
-            stamps.push(stamp);
+            previous = unit.after(previous, stamp, cell);
+            stamps.push(previous);
         }
         self.advances(index, stamps)
     }

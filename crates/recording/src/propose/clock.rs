@@ -1,6 +1,6 @@
 //! The column of the time, with its unit; and the column that separates tests.
 
-use super::super::stamp::TimeUnit;
+use super::super::stamp::{TIME_UNITS, TimeUnit};
 use super::Guess;
 use super::content::{Column, Content};
 use super::name;
@@ -41,7 +41,11 @@ pub fn of(content: &Content) -> Clock {
     let named = columns
         .iter()
         .position(|column| column.name.is_time() && is_clock(column));
-    let dated = || columns.iter().position(|column| is_date(&column.first));
+    let dated = || {
+        columns
+            .iter()
+            .position(|column| date(&column.first).is_some())
+    };
     let unnamed = || {
         let first = columns.first()?;
         let is_other = first.name.is_count() || first.name.role().is_some();
@@ -68,17 +72,20 @@ pub fn of(content: &Content) -> Clock {
 }
 
 fn is_clock(column: &Column) -> bool {
-    column.is_numeric() || is_date(&column.first)
+    column.is_numeric() || date(&column.first).is_some()
 }
 
-fn is_date(cell: &str) -> bool {
-    cell.contains(':') && TimeUnit::Iso.seconds(cell, &mut Some(0)).is_some()
+/// The unit of a cell that is a date or a time of day.
+fn date(cell: &str) -> Option<TimeUnit> {
+    let mut units = TIME_UNITS.iter().map(|line| line.0);
+    let is_one = |unit: &TimeUnit| unit.is_text() && unit.seconds(cell, &mut Some(0)).is_some();
+    units.find(is_one).filter(|_| cell.contains(':'))
 }
 
 /// The unit of a column of stamps, and its uncertainty.
 fn unit(column: &Column) -> (Guess<TimeUnit>, Option<String>) {
-    if is_date(&column.first) && column.texts > 0 {
-        return (Guess::known(TimeUnit::Iso), None);
+    if let Some(unit) = date(&column.first).filter(|_| column.texts > 0) {
+        return (Guess::known(unit), None);
     }
     let words = column
         .name
@@ -156,7 +163,7 @@ pub fn tests(content: &Content, clock: &Clock) -> Option<usize> {
     };
     let stamps = &content.columns[*time];
     let rows = stamps.numbers.len();
-    if unit.value == TimeUnit::Iso || stamps.grows(0..rows) {
+    if unit.value.is_text() || stamps.grows(0..rows) {
         return None;
     }
     // The starts of the stretches of growing time.
@@ -181,7 +188,7 @@ pub fn tests(content: &Content, clock: &Clock) -> Option<usize> {
 /// Whether the time of a file runs backwards, or repeats.
 pub fn runs_back(content: &Content, clock: &Clock) -> bool {
     match clock {
-        Clock::Stamps { column, unit, .. } if unit.value != TimeUnit::Iso => {
+        Clock::Stamps { column, unit, .. } if !unit.value.is_text() => {
             let stamps = &content.columns[*column];
             !stamps.grows(0..stamps.numbers.len())
         }

@@ -164,7 +164,10 @@ impl Channels {
             }
         }
         // A single channel is the vibration, whatever its role.
-        if self.found.len() == 1 {
+        if let [only] = self.found.as_mut_slice() {
+            if only.role.value == Role::MotorVelocity && only.role.why.is_some() {
+                only.role.value = Role::LinkVelocity;
+            }
             return;
         }
         let guessed = self

@@ -116,8 +116,7 @@ pub fn time_unit(text: &str) -> Option<TimeUnit> {
         "usec" | "\u{b5}s" | "\u{3bc}s" | "micros" | "microseconds" => Some(TimeUnit::Microseconds),
         "nsec" | "nanos" | "nanoseconds" => Some(TimeUnit::Nanoseconds),
         "minutes" => Some(TimeUnit::Minutes),
-        "iso" => None,
-        other => TimeUnit::from_name(other),
+        other => TimeUnit::from_name(other).filter(|unit| !unit.is_text()),
     }
 }
 
