@@ -291,12 +291,19 @@ fn a_path_that_is_no_recording_is_refused_with_a_way_out() {
     let folder = folder(MANIFEST, &[("encoder.csv", CSV)]);
     for (name, word) in [
         ("nothing.toml", "no such file"),
-        ("run.mat", "a MATLAB file is not read"),
+        (
+            "run.mat",
+            "quell.Recording.load(\"run.mat\", {\"deformation\": \"y\"}, time=\"t\")",
+        ),
         ("run.db3", "a ROS 2 bag (SQLite) is not read"),
         ("run.bag", "a ROS 1 bag is not read"),
         ("run.parquet", PARQUET),
         ("run.xlsx", "a spreadsheet is not read"),
-        ("run.npz", "a NumPy file is not read"),
+        (
+            "run.npz",
+            "quell.Recording.load(\"run.npz\", {\"deformation\": \"y\"}, time=\"t\")",
+        ),
+        ("run.npy", "a NumPy file is not read"),
     ] {
         if name != "nothing.toml" {
             std::fs::write(folder.path().join(name), b"\0\x01secret = 3").unwrap();

@@ -27,7 +27,8 @@ pub(super) const PARQUET: Foreign = Foreign {
 pub const FOREIGN: &[Foreign] = &[
     Foreign {
         name: "a MATLAB file",
-        remedy: "write it as CSV in MATLAB: writetable(table(t, y), \"run.csv\")",
+        remedy: "read it in Python: quell.Recording.load(\"run.mat\", {\"deformation\": \"y\"}, time=\"t\"), or write it as CSV in \
+                 MATLAB: writetable(table(t, y), \"run.csv\")",
         endings: &["mat"],
         magic: &[
             b"MATLAB 5.0 MAT-file",
@@ -56,9 +57,16 @@ pub const FOREIGN: &[Foreign] = &[
         magic: &[b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"],
     },
     Foreign {
+        name: "an archive of NumPy arrays",
+        remedy: "read it in Python: quell.Recording.load(\"run.npz\", {\"deformation\": \"y\"}, time=\"t\")",
+        endings: &["npz"],
+        // It begins as any archive.
+        magic: &[],
+    },
+    Foreign {
         name: "a NumPy file",
         remedy: "write it as CSV with Python: numpy.savetxt(\"run.csv\", data, delimiter=\",\")",
-        endings: &["npy", "npz"],
+        endings: &["npy"],
         magic: &[b"\x93NUMPY"],
     },
     Foreign {
