@@ -1,5 +1,6 @@
 //! `quell inspect`: the content of a recording, and suspicious parts of it.
 
+mod document;
 mod joints;
 mod propose;
 mod topics;
@@ -7,10 +8,11 @@ mod topics;
 use super::out::Force;
 use super::{CliError, identify, next, output};
 use crate::page::{columns, fixed};
-use crate::recording::health::{ColumnHealth, Flat, FlatKind, Health, health, remarks};
+use crate::recording::health::{Health, health, remarks};
 use crate::recording::{
     Channel, MANIFEST, McapFile, Recording, is_csv, mcap_and_joint, plain as short,
 };
+use document::document;
 use joints::Joints;
 use serde_json::{Value, json};
 use std::ffi::{OsStr, OsString};
@@ -189,10 +191,13 @@ fn page(recording: &Recording, figures: &[Health]) -> String {
 
 fn clock_row(channel: &Channel, health: &Health) -> [String; 7] {
     let clock = &health.clock;
+    // No more digits than the first of the deviation.
+    let known = clock.rate_std().filter(|std| *std > 0.0);
+    let digits = known.map_or(2, |std| (-std.log10().floor()).clamp(0.0, 2.0) as usize);
     [
         channel.role.to_string(),
         clock.samples.to_string(),
-        clock.rate().map_or("-".into(), |rate| fixed(rate, 2)),
+        clock.rate().map_or("-".into(), |rate| fixed(rate, digits)),
         plain(clock.start),
         plain(clock.duration),
         clock.missing.to_string(),
@@ -253,64 +258,5 @@ fn overlap(recording: &Recording) -> Option<String> {
             short(start),
             short(end)
         )
-    })
-}
-
-fn document(recording: &Recording, figures: &[Health]) -> Value {
-    let channels = recording
-        .channels
-        .iter()
-        .zip(figures)
-        .map(|(channel, health)| {
-            let clock = &health.clock;
-            let gaps = clock.gaps.iter().map(
-                |gap| json!({"from_s": gap.from, "until_s": gap.until, "missing": gap.missing}),
-            );
-            json!({
-                "role": channel.role.name(),
-                "unit": channel.unit,
-                "samples": clock.samples,
-                "start_s": clock.start,
-                "duration_s": clock.duration,
-                "rate_hz": clock.rate(),
-                "jitter_s": clock.jitter,
-                "worst_jitter_s": clock.worst_jitter,
-                "missing_samples": clock.missing,
-                "gaps": gaps.collect::<Vec<_>>(),
-                "columns": health.columns.iter().map(column_document).collect::<Vec<_>>(),
-                "remarks": remarks(channel, health),
-            })
-        });
-    json!({
-        "name": recording.name,
-        "channels": channels.collect::<Vec<_>>(),
-        "remarks": overlap(recording).into_iter().collect::<Vec<_>>(),
-    })
-}
-
-fn column_document(column: &ColumnHealth) -> Value {
-    json!({
-        "minimum": column.minimum,
-        "maximum": column.maximum,
-        "noise_std": column.noise_std,
-        "quantisation_step": column.quantum,
-        "flat_stretches": column.flats.iter().map(flat_document).collect::<Vec<_>>(),
-        "wraps_s": column.wraps,
-        "spikes_s": column.spikes,
-    })
-}
-
-fn flat_document(flat: &Flat) -> Value {
-    let kind = match flat.kind {
-        FlatKind::Rest => "rest",
-        FlatKind::Stuck => "stuck",
-        FlatKind::Saturated => "saturated",
-    };
-    json!({
-        "kind": kind,
-        "from_s": flat.from,
-        "until_s": flat.until,
-        "samples": flat.samples,
-        "value": flat.value,
     })
 }

@@ -1,6 +1,7 @@
 //! The joints of a recording, each with what is in its channels.
 
-use super::{document, follows, page};
+use super::document::document;
+use super::{follows, page};
 use crate::recording::health::{Health, health};
 use crate::recording::{Recording, RecordingError};
 use serde_json::{Value, json};

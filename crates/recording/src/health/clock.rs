@@ -90,8 +90,29 @@ impl Clock {
         (self.duration > 0.0).then(|| (self.samples - 1) as f64 / self.duration)
     }
 
-    /// Samples per second, `1 / period`; `None` for a single sample.
+    /// Samples per second where there is no gap, by the first and the last stamp: rounding of a stamp makes the
+    /// period of a fast sensor, which is one interval, uncertain by a rounding step. `None` for a single sample.
+    ///
+    /// # Example
+    /// ```
+    /// use quell_recording::health::clock;
+    /// let rounded: Vec<f64> = (0..3200).map(|k| (k as f64 / 3200.0 * 1e6).round() / 1e6).collect();
+    /// let figures = clock(&rounded);
+    /// assert!((figures.rate().unwrap() - 3200.0).abs() < figures.rate_std().unwrap());
+    /// ```
     pub fn rate(&self) -> Option<f64> {
+        let periods = (self.samples.saturating_sub(1) as f64) + self.missing as f64;
+        (self.duration > 0.0).then(|| periods / self.duration)
+    }
+
+    /// Standard deviation of [`Self::rate`]: the jitter is that of an interval, so of the difference of any two
+    /// independent stamps.
+    pub fn rate_std(&self) -> Option<f64> {
+        Some(self.rate()? * self.jitter / self.duration)
+    }
+
+    /// One over the median interval, samples per second; `None` for a single sample.
+    pub fn usual_rate(&self) -> Option<f64> {
         (self.period > 0.0).then(|| 1.0 / self.period)
     }
 }

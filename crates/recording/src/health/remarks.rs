@@ -42,7 +42,7 @@ pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
 /// A sentence, without a full stop, on stamps whose usual distance is not that of as many samples a second.
 pub fn mixed_rates(time: &[f64]) -> Option<String> {
     let clock = super::clock::clock(time);
-    let (usual, mean) = clock.rate().zip(clock.mean_rate())?;
+    let (usual, mean) = clock.usual_rate().zip(clock.mean_rate())?;
     let differ = (mean / usual - 1.0).abs() > JITTER && !matches!(clock.gaps[..], [_]);
     differ.then(|| {
         format!("its stamps are mostly {usual:.2} Hz apart, but it has {mean:.2} samples a second")
