@@ -708,3 +708,36 @@ fn each_recording_of_several_gets_its_model() {
         "{model}"
     );
 }
+
+/// The reading of an accelerometer of 2 g with 4096 steps that is tapped harder than its range.
+#[test]
+fn a_clipped_accelerometer_is_named_and_makes_no_modes() {
+    let mut rng = generator(31);
+    let range = 2.0 * 9.80665;
+    for (hertz, xi, amplitude) in [(31.0, 0.012, 1.6), (31.0, 0.012, 4.0), (17.0, 0.03, 2.5)] {
+        let mut seen = ring([hertz, xi, amplitude * range, 0.4], 4000);
+        for value in &mut seen {
+            let step = range / 2048.0;
+            *value = ((*value + 0.05 * noise(&mut rng)) / step).round() * step;
+            *value = value.clamp(-range, range);
+        }
+        let clipped = seen.iter().filter(|value| value.abs() >= range).count();
+        let found = identify("accel_m_s2", &[seen]);
+        holds(&found, &[(hertz, xi)]);
+        let remarks = found["remarks"].to_string();
+        let words = format!("the sensor is clipped at 19.6133 m/s^2 (2.00 g) in {clipped} samples");
+        let other = words.replace("at 19", "at -19").replace("(2", "(-2");
+        assert!(
+            remarks.contains(&words) || remarks.contains(&other),
+            "{words}: {remarks}"
+        );
+    }
+    // What stays within the range is not clipped, however coarse.
+    let coarse = ring([31.0, 0.012, 1.6, 0.4], 4000);
+    let coarse: Vec<f64> = coarse
+        .iter()
+        .map(|value| (20.0 * value).round() / 20.0)
+        .collect();
+    let found = identify("accel_m_s2", &[coarse]);
+    assert!(!found["remarks"].to_string().contains("clipped"), "{found}");
+}

@@ -398,6 +398,7 @@ fn an_identification_ends_as_soon_as_it_is_told() {
                 .collect(),
         ],
         used: 1.0,
+        clipped: Vec::new(),
     };
     let stopped = output_only_until(&vibration, &|| true);
     assert!(matches!(stopped, Err(IdentificationError::Stopped)));

@@ -2,13 +2,15 @@
 //!
 //! A pure function from a channel to figures; [`remarks`] puts them into words.
 
+mod clipped;
 mod clock;
 mod remarks;
 mod resolution;
 mod stretches;
 
+pub use clipped::{Clipped, clipped};
 pub use clock::{Clock, Gap, clock};
-pub use remarks::{JITTER, mixed_rates, remarks};
+pub use remarks::{JITTER, at_limit, mixed_rates, remarks};
 pub use resolution::{noise_std, quantum};
 pub use stretches::{Flat, FlatKind, flats, spikes, wraps};
 

@@ -156,6 +156,11 @@ impl Role {
             Self::CommandPosition | Self::MotorVoltage | Self::MotorCurrent
         )
     }
+
+    /// Whether an accelerometer measures it.
+    pub fn is_acceleration(self) -> bool {
+        matches!(self, Self::TipAcceleration | Self::LinkAcceleration)
+    }
 }
 
 impl fmt::Display for Role {

@@ -8,7 +8,7 @@ use crate::identification::output_only::{
 use crate::identification::stop::Stop;
 use crate::identification::{IdentificationError, motor_side, rests};
 use crate::page::{columns, decimals_beside, fixed};
-use crate::recording::health::mixed_rates;
+use crate::recording::health::{self, at_limit, mixed_rates};
 use crate::recording::{Channel, Recording, Role};
 use quell_shapers::{
     Criterion, Recommendation, Requirements, Shaper, ShaperError, UncertainMode, design_for_all,
@@ -28,6 +28,8 @@ pub struct Alone {
     pub vibration: Vibration,
     /// A remark on the stamps of its channel, if they mix rates.
     pub mixed_rates: Option<String>,
+    /// Where an axis of an accelerometer is at the limit of its range, in a clause.
+    pub clipped: Option<String>,
     /// The modes.
     pub found: OutputOnly,
     /// The recommended shaper; `None` if no shaper can be designed for these modes.
@@ -129,11 +131,11 @@ impl Alone {
         let found = output_only_within(&vibration, &rests, stop)?;
         let advice = advice(&found.modes)?;
         let printer = axis::of(path, &vibration);
+        let channel = recording.channel(vibration.role);
         Ok(Self {
             recording: recording.name.clone(),
-            mixed_rates: recording
-                .channel(vibration.role)
-                .and_then(|own| mixed_rates(&own.time)),
+            clipped: channel.and_then(clipped),
+            mixed_rates: channel.and_then(|own| mixed_rates(&own.time)),
             vibration,
             found,
             advice,
@@ -178,6 +180,17 @@ impl Alone {
     pub fn shaped_for(&self) -> Vec<UncertainMode> {
         shaped_for(&self.found.modes)
     }
+}
+
+/// A clause on the axis of an accelerometer with the most readings at its limit.
+fn clipped(channel: &Channel) -> Option<String> {
+    let columns = channel
+        .columns
+        .iter()
+        .filter(|_| channel.role.is_acceleration());
+    let all = columns.filter_map(|column| health::clipped(column));
+    let most = all.max_by_key(|clipped| clipped.samples.len())?;
+    Some(at_limit(&most, &channel.unit))
 }
 
 /// Modes with more than the acceptable residual when unshaped, each with the spread that its amplitude causes.

@@ -41,7 +41,7 @@ pub fn of_driven(recording: &str, best: &Recommended) -> String {
 pub fn of_alone(one: &Alone) -> String {
     let known = one.shaped_for();
     let power = match one.vibration.role {
-        Role::TipAcceleration | Role::LinkAcceleration => 2,
+        role if role.is_acceleration() => 2,
         Role::LinkVelocity => 1,
         _ => 0,
     };

@@ -39,6 +39,14 @@ impl Alone {
                 .iter()
                 .map(|remark| format!("{role}: {remark}.")),
         );
+        remarks.extend(self.clipped.iter().map(|clause| match found.excitation {
+            Excitation::Decay => {
+                format!("{role}: {clause}. A decay is fitted from the last of them on.")
+            }
+            _ => format!(
+                "{role}: {clause}. Clipping makes multiples of a mode's frequency: record again with a wider range."
+            ),
+        }));
         remarks.extend(found.left_out.iter().map(left_out));
         remarks.extend(found.modes.iter().filter_map(dependence));
         remarks.extend(self.axes());

@@ -2,7 +2,7 @@
 
 use super::damped::{Bend, Damped, Fit, Law, Segment, amplitudes, fit, residual};
 use super::told::told;
-use super::{Excitation, OutputOnly, Vibration};
+use super::{Excitation, FEWEST, OutputOnly, Vibration};
 use crate::stop::Stop;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -26,7 +26,9 @@ const BEGINS: usize = 6;
 
 /// The modes of some stretches; `None` where these are no free decays.
 pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]], stop: Stop) -> Option<OutputOnly> {
-    let begun = stretches.iter().filter_map(|s| begun(vibration, *s, stop));
+    let free = stretches.iter().map(|s| vibration.unclipped(*s));
+    let long = free.filter(|[from, until]| *until >= from + FEWEST);
+    let begun = long.filter_map(|s| begun(vibration, s, stop));
     let stretches: Vec<[usize; 2]> = begun.collect();
     let segments: Vec<Segment> = stretches
         .iter()

@@ -2,7 +2,7 @@
 
 use crate::IdentificationError;
 use nalgebra::{Complex, DMatrix};
-use quell_recording::{Channel, Recording, Role};
+use quell_recording::{Channel, Recording, Role, health};
 use quell_signal::{CubicSpline, End, SignalError};
 use std::f64::consts::TAU;
 
@@ -40,6 +40,8 @@ pub struct Vibration {
     pub axes: Vec<Vec<f64>>,
     /// Share of the recording that is used: with holes, the longest stretch without one.
     pub used: f64,
+    /// Instants at which an accelerometer is at the limit of its range, s.
+    pub clipped: Vec<f64>,
 }
 
 impl Vibration {
@@ -87,8 +89,18 @@ impl Vibration {
             axes: vec![(0..self.axes[0].len()).map(along).collect()],
             role: self.role,
             unit: self.unit.clone(),
+            clipped: self.clipped.clone(),
             ..*self
         }
+    }
+
+    /// The part of a stretch, in samples from and before, after its last reading at the limit of the sensor: what
+    /// clips a vibration makes multiples of it.
+    pub fn unclipped(&self, [from, until]: [usize; 2]) -> [usize; 2] {
+        let sample = |time: &f64| ((time - self.start) * self.rate).round().max(0.0) as usize;
+        let within = |sample: &usize| (from..until).contains(sample);
+        let last = self.clipped.iter().map(sample).filter(within).max();
+        [last.map_or(from, |last| last + 1), until]
     }
 
     /// The instant of a sample, s.
@@ -160,7 +172,19 @@ fn even(channel: &Channel) -> Result<Vibration, IdentificationError> {
         rate: 1.0 / period,
         axes,
         used: samples as f64 / time.len().max(1) as f64,
+        clipped: clipped(channel),
     })
+}
+
+/// Instants at which an accelerometer is at the limit of its range, s; in no order.
+fn clipped(channel: &Channel) -> Vec<f64> {
+    let columns = channel
+        .columns
+        .iter()
+        .filter(|_| channel.role.is_acceleration());
+    let found = columns.filter_map(|column| health::clipped(column));
+    let samples = found.flat_map(|found| found.samples);
+    samples.map(|sample| channel.time[sample]).collect()
 }
 
 /// An even grid, s, and whether each sample is at its place there.

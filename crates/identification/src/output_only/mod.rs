@@ -39,6 +39,9 @@ pub enum Excitation {
     Work,
 }
 
+/// Fewest samples of a vibration.
+const FEWEST: usize = 32;
+
 /// A mode and its properties in this recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundMode {
@@ -112,10 +115,10 @@ fn look(
     stop: Stop,
 ) -> Result<OutputOnly, IdentificationError> {
     let samples = vibration.axes.first().map_or(0, Vec::len);
-    if samples < 32 {
+    if samples < FEWEST {
         return Err(IdentificationError::TooFew {
             found: samples,
-            needed: 32,
+            needed: FEWEST,
         });
     }
     if vibration.is_still() {

@@ -1,7 +1,7 @@
 //! Remarks on problems of a channel.
 
-use super::{ColumnHealth, Flat, FlatKind, Health};
-use crate::{Channel, plain};
+use super::{Clipped, ColumnHealth, Flat, FlatKind, Health, clipped};
+use crate::{Channel, Unit, plain};
 
 /// Jitter, as a share of the period, above which there is a remark. A stamp that is off by j shifts a sample by
 /// j times the slope; 1 % of a period is 1 % of an increment between samples.
@@ -31,7 +31,7 @@ pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
             _ => format!("{}: ", ["x", "y", "z"].get(index).unwrap_or(&"?")),
         };
         remarks.extend(
-            values(channel, column)
+            self::values(channel, (column, &channel.columns[index]))
                 .into_iter()
                 .map(|remark| name.clone() + &remark),
         );
@@ -79,7 +79,7 @@ fn clock(time: &[f64], health: &Health, remarks: &mut Vec<String>) {
     }
 }
 
-fn values(channel: &Channel, column: &ColumnHealth) -> Vec<String> {
+fn values(channel: &Channel, (column, values): (&ColumnHealth, &[f64])) -> Vec<String> {
     let unit = &channel.unit;
     let mut remarks = Vec::new();
     if column.minimum == column.maximum && channel.time.len() > 1 {
@@ -88,7 +88,10 @@ fn values(channel: &Channel, column: &ColumnHealth) -> Vec<String> {
             plain(column.minimum)
         ));
     }
-    flats(channel, column, &mut remarks);
+    match clipped(values).filter(|_| channel.role.is_acceleration()) {
+        Some(clipped) => remarks.push(at_limit(&clipped, unit)),
+        None => flats(channel, column, &mut remarks),
+    }
     if let [first, ..] = column.wraps[..] {
         let count = column.wraps.len();
         remarks.push(format!(
@@ -111,6 +114,20 @@ fn values(channel: &Channel, column: &ColumnHealth) -> Vec<String> {
         ));
     }
     remarks
+}
+
+/// A clause on a clipped sensor: its limit, and how many samples are at it.
+pub fn at_limit(clipped: &Clipped, unit: &str) -> String {
+    // Six digits behind the point, as tables have: a conversion of units leaves the sixteenth uneven.
+    let limit = (clipped.limit * 1e6).round() / 1e6;
+    let gravity = Unit::from_name("g").filter(|g| g.si == unit);
+    let gravities = gravity.map(|g| format!(" ({:.2} g)", clipped.limit / g.to_si(1.0)));
+    format!(
+        "the sensor is clipped at {} {unit}{} in {} samples",
+        plain(limit),
+        gravities.unwrap_or_default(),
+        clipped.samples.len()
+    )
 }
 
 fn flats(channel: &Channel, column: &ColumnHealth, remarks: &mut Vec<String>) {
