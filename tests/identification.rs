@@ -486,3 +486,38 @@ fn the_verb_compares_the_registrations() {
     // Whichever is chosen, both are told alike.
     assert_eq!(frequencies[0], frequencies[1]);
 }
+
+/// Of 20 machines that do not change, in two moves each, none is told to: neither of one mode, nor of two, which one mode
+/// fits differently in each stretch.
+#[test]
+fn a_mode_that_stays_the_same_is_not_told_to_change() {
+    for second in [0.0, 0.1] {
+        for seed in 0..20_u32 {
+            let of = |step: u32, least: f64, most: f64| {
+                let share = f64::from((seed * step + 3) % 20) / 20.0;
+                least * (most / least).powf(share)
+            };
+            let truth = Truth {
+                frequency_hz: of(1, 4.0, 13.0),
+                damping_ratio: of(7, 0.01, 0.08),
+                across: false,
+            };
+            let other = Truth {
+                frequency_hz: of(3, 1.1, 2.5) * truth.frequency_hz,
+                ..truth
+            };
+            let mut samples = two_moves(&truth, 0.0, 0);
+            for (sample, other) in samples.iter_mut().zip(two_moves(&other, 0.0, 0)) {
+                sample.deformation += second * (other.deformation - sample.deformation);
+            }
+            add_noise(&mut samples, of(9, 1e-6, 5e-5), seed.into());
+            let found = identify(&samples, Prior::default()).expect("a vibration");
+            let best = found.recommended().expect("a mode");
+            assert!(best.decays_agree, "{second} {truth:?}: {best:?}");
+            assert!(
+                second > 0.0 || best.between == [0.0; 2],
+                "{truth:?}: {best:?}"
+            );
+        }
+    }
+}

@@ -9,6 +9,7 @@ mod prepare;
 pub mod printer;
 mod recommended;
 mod run;
+mod scatter;
 pub mod stop;
 mod stretches;
 mod told_mode;

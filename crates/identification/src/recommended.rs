@@ -1,6 +1,6 @@
 //! The recommended estimate of a recording, and how far the others contradict it.
 
-use super::{Identification, Run};
+use super::{Identification, OffLine, Run, scatter};
 use quell_control::estimators::{ESTIMATORS, Estimate, EstimatorEntry};
 use quell_shapers::UncertainMode;
 
@@ -30,9 +30,11 @@ pub struct Recommended {
     pub further_share: Option<f64>,
     /// A second mode that improves the fit of the whole, but does not show in the strongest free decay.
     pub doubted: Option<UncertainMode>,
-    /// Scatter between the fits of separate stretches beyond their own deviations: one standard deviation of
+    /// Scatter between the fits of separate stretches beyond their own deviations and chance: one standard deviation of
     /// `omega_n`, rad/s, and of `xi`. 0 where they agree.
     pub between: [f64; 2],
+    /// Whether the free decays agree, so that a scatter is that of the whole, with its motion as known input.
+    pub decays_agree: bool,
     /// Why this estimate.
     pub why: Why,
 }
@@ -50,20 +52,23 @@ impl Identification {
     /// Maximum likelihood is efficient: no unbiased method has a smaller deviation on the same samples. It is
     /// used on all samples that its model explains.
     pub fn recommended(&self) -> Option<Recommended> {
-        let between = self.between();
-        let widen = |mode: UncertainMode| UncertainMode {
-            natural_frequency_std: mode.natural_frequency_std.hypot(between[0]),
-            damping_ratio_std: mode.damping_ratio_std.hypot(between[1]),
-            ..mode
-        };
-        let told = |method, mode: UncertainMode, further: Option<UncertainMode>, why| Recommended {
-            method,
-            mode: widen(mode),
-            further: further.map(widen),
-            further_share: None,
-            doubted: None,
-            between,
-            why,
+        let told = |method, mode: UncertainMode, further: Option<UncertainMode>, why| {
+            let (between, decays_agree) = self.between(further.map(|_| method));
+            let widen = |mode: UncertainMode| UncertainMode {
+                natural_frequency_std: mode.natural_frequency_std.hypot(between[0]),
+                damping_ratio_std: mode.damping_ratio_std.hypot(between[1]),
+                ..mode
+            };
+            Recommended {
+                method,
+                mode: widen(mode),
+                further: further.map(widen),
+                further_share: None,
+                doubted: None,
+                between,
+                decays_agree,
+                why,
+            }
         };
         let ran = |line: &'static EstimatorEntry, index: usize| {
             let run = self.quoted(index)?;
@@ -152,30 +157,52 @@ impl Identification {
         })
     }
 
-    /// Scatter between the batch fits of free decays, and of the whole where its input holds, beyond their own
-    /// deviations.
-    fn between(&self) -> [f64; 2] {
+    /// Scatter between the fits of free decays, and of the whole where its input holds, beyond their own deviations; and
+    /// whether the decays alone have none. The fits are batch fits; of two modes those of the method that found them,
+    /// since one mode fitted to two is another one in each stretch.
+    fn between(&self, two: Option<&str>) -> ([f64; 2], bool) {
+        let fit = |run: &Run| match two {
+            Some(name) => run.two_modes(name),
+            None => run.batch().and_then(known),
+        };
+        let decays: Vec<_> = self.free_decays.iter().filter_map(fit).collect();
         let whole = match self.known_input_holds {
-            Some(true) => Some(&self.whole),
+            Some(true) => fit(&self.whole),
             _ => None,
         };
-        let fits: Vec<_> = self
-            .free_decays
-            .iter()
-            .chain(whole)
-            .filter_map(Run::batch)
-            .collect();
-        let frequency = fits
-            .iter()
-            .filter_map(|fit| Some((fit.mode.natural_frequency(), fit.natural_frequency_std?)));
-        let damping = fits
-            .iter()
-            .filter_map(|fit| Some((fit.mode.damping_ratio(), fit.damping_ratio_std?)));
-        [
-            paule_mandel(&frequency.collect::<Vec<_>>()),
-            paule_mandel(&damping.collect::<Vec<_>>()),
-        ]
+        let all: Vec<_> = decays.iter().copied().chain(whole).collect();
+        let scatter = |fits: &[UncertainMode]| {
+            let frequency = fits
+                .iter()
+                .map(|fit| (fit.mode.natural_frequency(), fit.natural_frequency_std));
+            let damping = fits
+                .iter()
+                .map(|fit| (fit.mode.damping_ratio(), fit.damping_ratio_std));
+            [
+                scatter::between(&frequency.collect::<Vec<_>>()),
+                scatter::between(&damping.collect::<Vec<_>>()),
+            ]
+        };
+        let (own, with) = (scatter(&decays), scatter(&all));
+        ([own[0].max(with[0]), own[1].max(with[1])], own == [0.0; 2])
     }
+}
+
+impl Run {
+    /// The first of two modes that a method found here, if it found two.
+    fn two_modes(&self, name: &str) -> Option<UncertainMode> {
+        let own = self.estimator(name).filter(|own| own.further.is_some())?;
+        own.estimate.as_ref().map(uncertain)
+    }
+}
+
+/// The mode of an off-line method that knows its deviations.
+fn known(line: &OffLine) -> Option<UncertainMode> {
+    Some(UncertainMode {
+        mode: line.mode,
+        natural_frequency_std: line.natural_frequency_std?,
+        damping_ratio_std: line.damping_ratio_std?,
+    })
 }
 
 /// The mode of an estimate with its deviations.
@@ -184,67 +211,5 @@ fn uncertain(estimate: &Estimate) -> UncertainMode {
         mode: estimate.mode,
         natural_frequency_std: estimate.natural_frequency_std,
         damping_ratio_std: estimate.damping_ratio_std,
-    }
-}
-
-/// The standard deviation between values `x_i`, beside their own `s_i`: the `t >= 0` for which
-/// `sum (x_i - m)^2 / (s_i^2 + t^2) = n - 1` about their weighted mean `m`; 0 where they agree as they are (Paule and
-/// Mandel, J. Research of the National Bureau of Standards 87 (1982) 377).
-fn paule_mandel(values: &[(f64, f64)]) -> f64 {
-    let values: Vec<_> = values
-        .iter()
-        .filter(|(x, s)| x.is_finite() && s.is_finite() && *s > 0.0)
-        .collect();
-    if values.len() < 2 {
-        return 0.0;
-    }
-    let excess = |between: f64| {
-        let weight = |s: f64| 1.0 / (s * s + between * between);
-        let sum: f64 = values.iter().map(|(_, s)| weight(*s)).sum();
-        let mean = values.iter().map(|(x, s)| weight(*s) * x).sum::<f64>() / sum;
-        let chi: f64 = values
-            .iter()
-            .map(|(x, s)| weight(*s) * (x - mean).powi(2))
-            .sum();
-        chi - (values.len() - 1) as f64
-    };
-    if excess(0.0) <= 0.0 {
-        return 0.0;
-    }
-    // It falls as `t` grows, and at the range of the values it is below 0: their variance is smaller than its square.
-    let ends = values
-        .iter()
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], (x, _)| {
-            [low.min(*x), high.max(*x)]
-        });
-    let (mut low, mut high) = (0.0, ends[1] - ends[0]);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        match excess(middle) > 0.0 {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
-    0.5 * (low + high)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::paule_mandel;
-
-    #[test]
-    fn values_that_agree_have_nothing_between_them() {
-        assert_eq!(paule_mandel(&[(1.0, 0.1), (1.05, 0.1), (0.98, 0.2)]), 0.0);
-        assert_eq!(paule_mandel(&[(1.0, 0.1)]), 0.0);
-    }
-
-    /// Of two values with the same `s` the equation has a closed form: `t^2 = (x_1 - x_2)^2 / 2 - s^2`.
-    #[test]
-    fn val_two_values_that_contradict_each_other() {
-        let between = paule_mandel(&[(1.0, 0.1), (2.0, 0.1)]);
-        assert!(
-            (between - (0.5_f64 - 0.01).sqrt()).abs() < 1e-9,
-            "{between}"
-        );
     }
 }

@@ -169,10 +169,20 @@ fn doubted(second: UncertainMode) -> String {
 /// A sentence if the stretches contradict each other.
 fn contradictions(best: &Recommended) -> Option<String> {
     let [frequency, damping] = best.between;
+    let (what, why) = match best.decays_agree {
+        false => (
+            "The stretches of the recording differ",
+            "The mode is not the same throughout, or the sensors' clocks are not",
+        ),
+        true => (
+            "With the motion as known input the mode differs from that of the free decays",
+            "The free decays agree: the motion shows more than this mode, or the sensors' clocks differ",
+        ),
+    };
     (frequency > 0.0 || damping > 0.0).then(|| {
         format!(
-            "The stretches of the recording differ by more than their deviations: by {} Hz and {} of the damping ratio, which \
-             are in the deviations that are told. The mode is not the same throughout, or the sensors' clocks are not.",
+            "{what} by more than the deviations: by {} Hz and {} of the damping ratio, which are in the deviations that are \
+             told. {why}.",
             figure(frequency / core::f64::consts::TAU),
             figure(damping),
         )
