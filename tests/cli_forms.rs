@@ -519,6 +519,18 @@ fn each_joint_of_a_file_is_inspected_and_one_is_identified() {
         refused.contains("there are 2: 1, 2; take one as joints.csv#1"),
         "{refused}"
     );
+    // Of names that are less certain the joints are told beside what is open.
+    let unclear = rows(|k| format!("{:.3},{k},{k}\n", k as f64 / 1000.0));
+    std::fs::write(
+        folder.path().join("unclear.csv"),
+        format!("time,q1,q2\n{unclear}"),
+    )
+    .unwrap();
+    let refused = String::from_utf8(quell(&["identify", "unclear.csv"]).stderr).unwrap();
+    assert!(
+        refused.contains("it has the joints 1, 2: take one as recording.toml#1"),
+        "{refused}"
+    );
     let all = json("inspect", Path::new("joints.csv"), &folder);
     let joint = |k: usize| &all["joints"][k];
     assert_eq!([&joint(0)["joint"], &joint(1)["joint"]], ["1", "2"]);

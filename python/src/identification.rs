@@ -44,7 +44,12 @@ pub fn identify(
         let stop = || asked.stops();
         let found = Identified::of(recordings, believed.as_ref(), way, &stop)?;
         let document = found.document().to_string();
-        Ok((document, found.text(), found.page().render(), found.model()))
+        Ok((
+            document,
+            found.text(),
+            found.page().render(),
+            found.models().into_iter().next().flatten(),
+        ))
     })?;
     told.map_err(|error| errors::identification(&error))
 }

@@ -86,7 +86,7 @@ fn words(name: &str) -> Vec<String> {
 }
 
 /// A word without the number at its end.
-fn bare(word: &String) -> &str {
+fn bare(word: &str) -> &str {
     word.trim_end_matches(|letter: char| letter.is_ascii_digit())
 }
 
@@ -123,7 +123,7 @@ pub fn time_unit(text: &str) -> Option<TimeUnit> {
 impl Name {
     /// The role of a column with this name, and whether it is certain.
     pub fn role(&self) -> Option<(Role, bool)> {
-        let said: Vec<_> = self.without_axis().iter().map(bare).collect();
+        let said: Vec<_> = self.without_axis().iter().map(|word| bare(word)).collect();
         let said = said.join("_").replace("__", "_");
         let said = said.trim_matches('_');
         if let Some(entry) = ROLES.iter().find(|entry| entry.name == said) {
