@@ -24,6 +24,7 @@ mod learners;
 pub mod link;
 pub mod recorder;
 pub mod ringing;
+mod shapers;
 pub mod signature;
 mod start;
 pub mod state;

@@ -1,10 +1,11 @@
 //! The feed: moves that run follow it, within the limits, to the exact end, and leave no more vibration.
 
 use proptest::prelude::*;
-use quell::service::contract::{Request, ShapingChange};
+use quell::service::contract::{Request, ServiceError, ShapingChange};
+use quell_trajectories::Limits;
 
 use super::modes::{go, rest_of, two, world};
-use super::world::{LIMITS, PERIOD, Sent, World, beyond_limits, config};
+use super::world::{Answered, LIMITS, PERIOD, Sent, World, beyond_limits, config};
 
 fn feed(world: &mut World, percent: f64) {
     world.ask(Request::Feed {
@@ -18,7 +19,9 @@ fn shaped_by(world: &mut World, rule: Option<&str>) {
         kind: rule.map(Into::into),
         ..ShapingChange::default()
     }));
-    world.steps(100);
+    let answered = world.steps(100);
+    let taken = |one: &Answered| one.answer.is_ok();
+    assert!(!answered.is_empty() && answered.iter().all(taken));
 }
 
 /// The first setpoint from which on the command stands still, after at most so many ticks.
@@ -40,7 +43,7 @@ proptest! {
         target in 0.1..3.0_f64,
         at_first in 10.0..=100.0_f64,
         changes in prop::collection::vec((1..120_usize, 5.0..=100.0_f64), 1..6),
-        rule in prop::option::of(prop::sample::select(vec!["zvd", "um_zv"])),
+        rule in prop::option::of(prop::sample::select(vec!["zvd", "ei3", "optimal"])),
         timed in any::<bool>(),
     ) {
         let data = tempfile::tempdir().expect("a folder");
@@ -61,6 +64,135 @@ proptest! {
         for pair in world.sent().windows(2) {
             prop_assert_eq!(beyond_limits(pair[0], pair[1], timed), None);
         }
+    }
+}
+
+/// A command of a user to a joint in motion.
+#[derive(Clone, Debug)]
+enum Order {
+    Feed(f64),
+    Go(f64),
+    Jog(f64),
+    Stop,
+}
+
+fn order() -> impl Strategy<Value = Order> {
+    prop_oneof![
+        3 => prop_oneof![1.0..100.0_f64, Just(1.0), Just(100.0)].prop_map(Order::Feed),
+        4 => (-1.5..=1.5_f64).prop_map(Order::Go),
+        1 => (-LIMITS.velocity..LIMITS.velocity).prop_map(Order::Jog),
+        2 => Just(Order::Stop),
+    ]
+}
+
+/// Gives an order, and widens the hull of where the joint may go.
+fn give(world: &mut World, order: &Order, number: u64, [low, high]: &mut [f64; 2]) {
+    let [lowest, highest] = world.joint().range_rad;
+    let mut may_go_to = |target: f64| (*low, *high) = (low.min(target), high.max(target));
+    match *order {
+        Order::Feed(percent) => feed(world, percent),
+        Order::Stop => world.ask(Request::Stop),
+        Order::Go(target) => {
+            may_go_to(target);
+            world.go(target);
+        }
+        Order::Jog(velocity) => {
+            may_go_to(if velocity > 0.0 { highest } else { lowest });
+            world.ask(Request::Jog {
+                joint: "joint_1".into(),
+                velocity,
+                hold: number,
+            });
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    /// A stop ends before the target of what it stops, so that no order leads beyond the targets.
+    #[test]
+    fn whatever_is_ordered_in_motion_no_target_is_passed(
+        orders in prop::collection::vec((1..120_usize, order()), 2..9),
+        rule in prop::option::of(prop::sample::select(vec!["zvd", "ei3", "optimal"])),
+        timed in any::<bool>(),
+    ) {
+        let data = tempfile::tempdir().expect("a folder");
+        let mut own = config(data.path());
+        own.joints[0].range = [-1.5, 1.5];
+        let mut world = World::commanded(own, timed);
+        shaped_by(&mut world, rule);
+        let mut hull = [0.0; 2];
+        for (number, (ticks, order)) in orders.iter().enumerate() {
+            give(&mut world, order, number as u64, &mut hull);
+            world.steps(*ticks);
+        }
+        world.ask(Request::Stop);
+        world.steps(300);
+        let sent = world.sent();
+        prop_assert!(sent.last().is_some_and(|(_, last)| last.velocity == 0.0));
+        for pair in sent.windows(2) {
+            prop_assert_eq!(beyond_limits(pair[0], pair[1], timed), None);
+            let at = pair[1].1.position;
+            prop_assert!(hull[0] - 1e-9 <= at && at <= hull[1] + 1e-9, "{} of {:?}", at, hull);
+        }
+        prop_assert_eq!(world.snapshot().enable.faults, 0);
+    }
+}
+
+/// Someone slows the robot and turns it: it brakes as it can, and then goes at the feed.
+#[test]
+fn a_turn_at_a_low_feed_brakes_with_the_whole_limits() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = World::commanded(config(data.path()), true);
+    shaped_by(&mut world, None);
+    world.go(3.0);
+    world.steps(120);
+    let turned_at = world.last().expect("setpoints").1;
+    assert_eq!(turned_at.velocity, LIMITS.velocity);
+    feed(&mut world, 10.0);
+    world.go(-1.0);
+    world.steps(1500);
+    let Limits {
+        velocity,
+        acceleration,
+        jerk,
+    } = LIMITS;
+    // What it takes to stop, and what it goes until the plan begins.
+    let stop = 0.5 * velocity * (velocity / acceleration + acceleration / jerk);
+    let most = turned_at.position + stop + 0.03 * velocity;
+    let sent = world.sent();
+    assert!(sent.iter().all(|(_, sent)| sent.position < most), "{most}");
+    let last = sent.last().expect("setpoints").1;
+    assert!((last.velocity + 0.1 * velocity).abs() < 1e-9, "{last:?}");
+    // The feed is followed later, too.
+    feed(&mut world, 100.0);
+    world.steps(100);
+    let last = world.last().expect("setpoints").1;
+    assert!((last.velocity + velocity).abs() < 1e-9, "{last:?}");
+    world.steps(600);
+    assert_eq!(world.last().map(|(_, sent)| sent.position), Some(-1.0));
+}
+
+/// Stopped early in a move, a train of negative impulses went beyond the target and the limits.
+#[test]
+fn a_shaper_of_negative_impulses_is_refused() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = World::commanded(config(data.path()), true);
+    world.ask(Request::Shaping(ShapingChange {
+        kind: Some("umzv".into()),
+        ..ShapingChange::default()
+    }));
+    world.ask(Request::Move {
+        joint: "joint_1".into(),
+        target: 0.5,
+        shaper: Some("umzv".into()),
+    });
+    let answered = world.steps(2);
+    assert_eq!(answered.len(), 2);
+    for one in answered {
+        let shaper = "umzv".to_owned();
+        assert_eq!(one.answer, Err(ServiceError::NegativeShaper { shaper }));
     }
 }
 

@@ -15,6 +15,7 @@ mod profile;
 mod ramp;
 mod rate;
 mod read_back;
+mod rest;
 mod sampled;
 mod solver;
 mod stop;

@@ -161,6 +161,24 @@ proptest! {
         continuous(&next)?;
     }
 
+    /// In closed form, where the planner asks Ruckig.
+    #[test]
+    fn a_state_tells_where_its_quickest_stop_ends(axes in problem(), slower in 0.05..1.0_f64) {
+        let planner = Planner::new(1).unwrap();
+        for Axis { from, limits, .. } in axes {
+            prop_assert!(from.keeps(limits));
+            let end = planner.plan_stop(&[from], &[limits]).unwrap().end()[0].position;
+            prop_assert!((from.stops_at(limits) - end).abs() < 1e-7, "{from:?} {end}");
+            let faster = AxisState { velocity: 1.01 * limits.velocity, ..from };
+            prop_assert!(!faster.keeps(limits));
+            let slowed = limits.slowed(slower);
+            if from.keeps(slowed) {
+                let end = planner.plan_stop(&[from], &[slowed]).unwrap().end()[0].position;
+                prop_assert!((from.stops_at(slowed) - end).abs() < 1e-7, "{from:?} {end}");
+            }
+        }
+    }
+
     #[test]
     fn a_stop_ends_at_rest_as_quickly_as_the_slowest_axis_can(
         axes in problem(),

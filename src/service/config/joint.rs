@@ -3,11 +3,12 @@
 use quell_shapers::{Mode, ModeError, Shaper, shaper_by_name};
 use quell_trajectories::Limits;
 
-use super::keys::{JointKeys, estimators, shapers};
+use super::keys::{JointKeys, estimators};
 use super::{Check, ConfigError};
 use crate::estimators::{EstimatorEntry, estimator};
 use crate::plant::{Robot, RobotJoint};
 use crate::service::following::healthy;
+use crate::service::shapers;
 use crate::signal::JointArc;
 
 /// Range of targets if the configuration names none, rad: a turn either way.
@@ -120,8 +121,7 @@ pub(super) fn checked(
             .to_radians(),
         limits_assumed: false,
         belief: belief(keys, at, described, check)?,
-        shaper: shaper_by_name(&keys.shaper)
-            .ok_or_else(|| check.unknown(&key("shaper"), &keys.shaper, shapers()))?,
+        shaper: shaper(keys, &key("shaper"), check)?,
         estimator: estimator(&keys.estimator)
             .ok_or_else(|| check.unknown(&key("estimator"), &keys.estimator, estimators()))?,
         shaping: keys.shaping,
@@ -135,6 +135,14 @@ pub(super) fn checked(
             .to_radians(),
         arc: robot.arc(&robot.home(), index).ok(),
     })
+}
+
+fn shaper(keys: &JointKeys, key: &str, check: &Check) -> Result<&'static dyn Shaper, ConfigError> {
+    match shaper_by_name(&keys.shaper) {
+        Some(shaper) if shaper.is_convex() => Ok(shaper),
+        Some(shaper) => Err(check.refuse(key, format!("{:?}", shaper.name()), shapers::POSITIVE)),
+        None => Err(check.unknown(key, &keys.shaper, shapers::names())),
+    }
 }
 
 fn limits(

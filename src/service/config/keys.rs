@@ -9,7 +9,7 @@ use serde::Deserialize;
 use super::recording::RecordingKeys;
 use super::{NatsConfig, RobotKind, ZenohConfig};
 use crate::estimators::ESTIMATORS;
-use quell_shapers::SHAPERS;
+use crate::service::shapers;
 
 /// The whole file. Every table may be left out.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
@@ -198,7 +198,7 @@ pub struct JointKeys {
     pub damping_ratio: Option<f64>,
     /// Shaper.
     #[serde(default = "zvd")]
-    #[schemars(extend("enum" = shapers()))]
+    #[schemars(extend("enum" = shapers::names()))]
     pub shaper: String,
     /// Estimator.
     #[serde(default = "likelihood")]
@@ -247,11 +247,6 @@ impl JointKeys {
 /// Names of the robots.
 pub fn robots() -> Vec<&'static str> {
     RobotKind::ALL.iter().map(|kind| kind.name()).collect()
-}
-
-/// Names of the shapers.
-pub fn shapers() -> Vec<&'static str> {
-    SHAPERS.iter().map(|shaper| shaper.name()).collect()
 }
 
 /// Names of the estimators.

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::service::shapers::POSITIVE;
+
 /// Why a request is refused. A refusal changes nothing.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -21,6 +23,34 @@ pub enum ServiceError {
         shaper: String,
         /// The names that there are.
         known: String,
+    },
+    /// That shaper has negative impulses.
+    #[error("the shaper is \"{shaper}\", it must be {POSITIVE}")]
+    NegativeShaper {
+        /// The name asked for.
+        shaper: String,
+    },
+    /// A plan that would leave the joint's range.
+    #[error(
+        "{joint} cannot do that from its motion: it would come to {position} rad, beyond its range"
+    )]
+    LeavesRange {
+        /// The joint.
+        joint: String,
+        /// Where it would come to, rad.
+        position: f64,
+    },
+    /// A jog toward an end of the range at which the joint is, or beyond.
+    #[error(
+        "{joint} has no room in that direction: it is at {position} rad, its range ends at {end} rad"
+    )]
+    NoRoom {
+        /// The joint.
+        joint: String,
+        /// Where it is, rad.
+        position: f64,
+        /// The end of its range, rad.
+        end: f64,
     },
     /// A value is out of its range, or not finite.
     #[error("{what} is {value}, it must be {rule}")]
@@ -177,6 +207,7 @@ impl ServiceError {
         match self {
             Self::UnknownJoint { .. }
             | Self::UnknownShaper { .. }
+            | Self::NegativeShaper { .. }
             | Self::Value { .. }
             | Self::Nothing
             | Self::Twice { .. }
@@ -186,6 +217,8 @@ impl ServiceError {
             Self::ShaperInMotion { .. }
             | Self::InMotion { .. }
             | Self::HoldOver { .. }
+            | Self::LeavesRange { .. }
+            | Self::NoRoom { .. }
             | Self::Held { .. }
             | Self::NoFeed
             | Self::NotTaken { .. }

@@ -25,7 +25,7 @@ struct Member<'a> {
     rate: f64,
     /// Length of its train, s.
     train: f64,
-    /// Limits of its plan.
+    /// Its limits.
     limits: Limits,
 }
 
@@ -110,7 +110,7 @@ impl Engine {
             .max_by_key(|member| member.running.plan.samples())?;
         let from = longest.running.pacing.changed_at(longest.sample).from;
         let mut ramps = longest.running.pacing.base.rate_ramps(from, longest.rate);
-        let found = ramps.find_map(|ramp| self.with_ramp(&members, ramp.duration))?;
+        let found = ramps.find_map(|ramp| with_ramp(&members, ramp.duration))?;
         let changes = members.iter().zip(found).map(|(member, (ramp, rest))| {
             let change = Change {
                 ticket: 0,
@@ -126,66 +126,14 @@ impl Engine {
     fn paced(&self, index: usize, tick: u64) -> Option<Member<'_>> {
         let running = self.runs_at_another_feed(index)?;
         let joint = &self.joints[index];
-        let own = joint.config.limits;
         Some(Member {
             index,
             sample: running.sample_before(tick),
             running,
             rate: self.feed / running.pacing.made_at,
             train: joint.axis().map_or(0.0, |axis| axis.train.duration()),
-            limits: Limits {
-                velocity: own.velocity / running.gain,
-                acceleration: own.acceleration / running.gain,
-                jerk: own.jerk / running.gain,
-            },
+            limits: joint.config.limits,
         })
-    }
-
-    /// The rest of the plans of joints by ramps of a duration (s), so that all end with the one that ends last
-    /// at the feed.
-    fn with_ramp(
-        &self,
-        members: &[Member<'_>],
-        duration: f64,
-    ) -> Option<Vec<(RateRamp, SampledTrajectory)>> {
-        let along = |member: &Member<'_>, ramp: RateRamp| {
-            let rest = member
-                .running
-                .pacing
-                .base
-                .at_rate(&ramp, &[member.limits])?;
-            let own = self.joints[member.index].config.limits;
-            member
-                .running
-                .keeps_shaped(member.sample, &rest, own)
-                .then_some((ramp, rest))
-        };
-        let each = members.iter().map(|member| {
-            let ramp = member.running.pacing.changed_at(member.sample);
-            along(
-                member,
-                RateRamp {
-                    to: member.rate,
-                    duration,
-                    ..ramp
-                },
-            )
-        });
-        let mut found: Vec<_> = each.collect::<Option<_>>()?;
-        let ends = members.iter().zip(&found);
-        let ends: Vec<f64> = ends
-            .map(|(member, (_, rest))| rest.duration() + member.train)
-            .collect();
-        let last = ends.iter().copied().fold(0.0, f64::max);
-        for ((member, found), end) in members.iter().zip(&mut found).zip(ends) {
-            if end < last {
-                let ramp = found
-                    .0
-                    .arriving(member.running.pacing.base.duration(), last - member.train);
-                *found = along(member, ramp?)?;
-            }
-        }
-        Some(found)
     }
 
     fn order_changes(&mut self, (tick, changes): (u64, Vec<(usize, Change)>)) {
@@ -250,4 +198,39 @@ impl Engine {
         }
         change.is_some()
     }
+}
+
+/// The rest of the plans of joints by ramps of a duration (s), so that all end with the one that ends last
+/// at the feed.
+fn with_ramp(members: &[Member<'_>], duration: f64) -> Option<Vec<(RateRamp, SampledTrajectory)>> {
+    let along = |member: &Member<'_>, ramp: RateRamp| {
+        let base = &member.running.pacing.base;
+        Some((ramp, base.at_rate(&ramp, &[member.limits])?))
+    };
+    let each = members.iter().map(|member| {
+        let ramp = member.running.pacing.changed_at(member.sample);
+        along(
+            member,
+            RateRamp {
+                to: member.rate,
+                duration,
+                ..ramp
+            },
+        )
+    });
+    let mut found: Vec<_> = each.collect::<Option<_>>()?;
+    let ends = members.iter().zip(&found);
+    let ends: Vec<f64> = ends
+        .map(|(member, (_, rest))| rest.duration() + member.train)
+        .collect();
+    let last = ends.iter().copied().fold(0.0, f64::max);
+    for ((member, found), end) in members.iter().zip(&mut found).zip(ends) {
+        if end < last {
+            let ramp = found
+                .0
+                .arriving(member.running.pacing.base.duration(), last - member.train);
+            *found = along(member, ramp?)?;
+        }
+    }
+    Some(found)
 }

@@ -5,11 +5,13 @@
 
 use super::Engine;
 use super::cruise::Cruise;
+use super::extent::check_range;
 use super::joint::{Asked, Ordered, Reply, What, Withdrawn, name_of};
 use super::learned::WITHIN;
 use super::pacing::Pacing;
 use super::planning::{Moment, Planned, plan};
 use super::running::Running;
+use crate::controller::LoadError;
 use crate::recording::to_resolution;
 use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError, Stopping};
 use crate::service::tick::{NotTaken, Plan, Start, Taken, ToTick};
@@ -147,12 +149,12 @@ impl Engine {
     ) -> Result<Planned, ServiceError> {
         let joint = &self.joints[index];
         let own = joint.config.limits;
-        let mut limits = own;
+        let mut fed = own;
         if let What::Move { speed, .. } = what {
             if self.feed == 0.0 {
                 return Err(ServiceError::NoFeed);
             }
-            limits = self.fed(own, speed);
+            fed = self.fed(own, speed);
             // Checked at each try: the permit may be lost between two tries.
             self.enabling.allows_moves()?;
             joint.takes_moves()?;
@@ -160,9 +162,15 @@ impl Engine {
         let at = Moment {
             tick: self.next_tick() + ahead,
             effort,
-            limits,
+            own,
+            fed,
         };
-        plan(joint, what, &self.planner, self.config.period, at)
+        let planned = plan(joint, what, &self.planner, self.config.period, at)?;
+        match what {
+            // It goes no further than the move that it stops.
+            What::Stop => Ok(planned),
+            What::Move { .. } => check_range(joint, planned),
+        }
     }
 
     pub(super) fn order(&mut self, index: usize, mut asked: Asked, planned: Planned) {
@@ -274,7 +282,11 @@ impl Engine {
             // The next report gives the present state for the plan's start.
             NotTaken::Outdated => {}
             // A correction under way leaves a smaller share of the limits to a new plan.
-            NotTaken::Refused(_) => asked.effort = (0.8 * asked.effort).max(LEAST_EFFORT),
+            NotTaken::Refused(LoadError::Correction(_)) => {
+                asked.effort = (0.8 * asked.effort).max(LEAST_EFFORT)
+            }
+            // It was planned for a motion that has changed since.
+            NotTaken::Refused(_) => {}
             NotTaken::NotEnabled => {
                 // If the gate has just been closed, its event arrives together with this one.
                 let why = self.enabling.allows_moves().err();
@@ -365,11 +377,10 @@ impl Engine {
             recording,
         };
         self.batch.events.push(Told::MoveStarted(start.clone()));
-        let (train, gain, longest) = match &taken.plan.start {
-            Start::Rest(train) => (Some(train.train.clone()), 1.0, train.train.duration()),
-            // In motion the train in force is not known exactly, but no shaper is longer than two periods. The
-            // plan was made for its gain.
-            Start::Tick(_) => (None, 1.0 / asked.speed, 2.0 * joint.mode.damped_period()),
+        let longest = match &taken.plan.start {
+            Start::Rest(train) => train.train.duration(),
+            // In motion the train in force is not known exactly, but no shaper is longer than two periods.
+            Start::Tick(_) => 2.0 * joint.mode.damped_period(),
         };
         joint.running = Some(Running {
             start,
@@ -380,8 +391,6 @@ impl Engine {
             first: taken.first,
             pacing: Pacing::new(asked.samples.clone(), asked.feed),
             together: asked.together.map(|together| together.id),
-            train,
-            gain,
             shaped: asked.shaper.is_some(),
             adaptive: joint.adaptation && asked.shaper.is_some(),
             payload: self.payload,

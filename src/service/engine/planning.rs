@@ -1,9 +1,10 @@
 //! From an order to a plan for the tick.
 
-use quell_shapers::{Shaper, UncertainMode};
-use quell_trajectories::{AxisState, Limits, Planner, SampledTrajectory};
+use quell_shapers::{Shaper, shaper_by_name};
+use quell_trajectories::{Limits, Planner, SampledTrajectory};
 
 use super::axis::train;
+use super::in_motion::in_motion;
 use super::joint::{Joint, What};
 use super::running::ROUNDING;
 use crate::controller::plan_shaped;
@@ -29,8 +30,10 @@ pub struct Moment {
     pub tick: u64,
     /// Share of the acceleration and jerk limits that it uses.
     pub effort: f64,
-    /// The limits.
-    pub limits: Limits,
+    /// Limits of the joint.
+    pub own: Limits,
+    /// Those of the feed.
+    pub fed: Limits,
 }
 
 /// Plans for a joint; in motion the plan begins at the moment `at`.
@@ -43,18 +46,24 @@ pub fn plan(
 ) -> Result<Planned, ServiceError> {
     match (&joint.running, what) {
         (Some(running), _) if !joint.is_at_rest() => {
-            let from = running.state_before(at.tick);
-            in_motion(joint, what, planner, period, from, at)
+            let range = joint.config.range;
+            let samples = in_motion(running, what, (planner, period), range, at);
+            Ok(Planned {
+                samples: samples.map_err(refused)?,
+                start: Start::Tick(at.tick),
+                speed: 1.0,
+                shaper: shaper_by_name(&running.start.shaper),
+            })
         }
         (_, What::Move { target, shaper, .. }) => from_rest(
             joint,
-            (target, at.limits),
+            (target, at.fed),
             shaper.unwrap_or(joint.standing_shaper()),
             planner,
             period,
         ),
         (_, What::Stop) => {
-            let here = (joint.position, at.limits);
+            let here = (joint.position, at.fed);
             from_rest(joint, here, joint.standing_shaper(), planner, period)
         }
     }
@@ -107,56 +116,6 @@ fn from_rest(
         speed: slowed.speed,
         shaper,
     })
-}
-
-fn in_motion(
-    joint: &Joint,
-    what: What,
-    planner: &Planner,
-    period: f64,
-    from: AxisState,
-    at: Moment,
-) -> Result<Planned, ServiceError> {
-    let shaper = joint_shaper(joint);
-    // A train with negative impulses may exceed the limits by its gain, the sum of the magnitudes. A plan whose
-    // limits are reduced by that gain keeps them.
-    let gain = match shaper {
-        Some(shaper) if !shaper.is_convex() => {
-            train(Some(shaper), &UncertainMode::believed(joint.mode), period)
-                .map_or(1.0, |train| train.gain())
-        }
-        _ => 1.0,
-    };
-    let Limits {
-        velocity,
-        acceleration,
-        jerk,
-    } = at.limits;
-    let limits = [Limits {
-        velocity: velocity / gain,
-        acceleration: at.effort * acceleration / gain,
-        jerk: at.effort * jerk / gain,
-    }];
-    let trajectory = match what {
-        What::Stop => planner.plan_stop(&[from], &limits),
-        What::Move { target, .. } => planner.plan(&[from], &[AxisState::at_rest(target)], &limits),
-    };
-    let samples = trajectory.and_then(|plan| plan.sample(period));
-    Ok(Planned {
-        samples: samples.map_err(refused)?,
-        start: Start::Tick(at.tick),
-        speed: 1.0 / gain,
-        shaper,
-    })
-}
-
-/// The rule of the running move's shaper.
-fn joint_shaper(joint: &Joint) -> Option<&'static dyn Shaper> {
-    let name = joint
-        .running
-        .as_ref()
-        .map(|running| running.start.shaper.as_str());
-    quell_shapers::shaper_by_name(name?)
 }
 
 pub fn refused(error: quell_trajectories::PlanError) -> ServiceError {

@@ -1,12 +1,13 @@
 //! The requests of clients.
 
-use quell_shapers::{Mode, SHAPERS, Shaper, UncertainMode, shaper_by_name};
+use quell_shapers::{Mode, Shaper, UncertainMode, shaper_by_name};
 
 use super::Engine;
 use super::axis::train;
 use super::joint::What;
 use super::together::Form;
 use crate::service::contract::{Accepted, Envelope, Request, ServiceError, ShapingChange, Target};
+use crate::service::shapers;
 use crate::service::tick::ToTick;
 use crate::tolerance::Tolerance;
 
@@ -333,12 +334,13 @@ fn shaper_named(name: &str) -> Result<Option<&'static dyn Shaper>, ServiceError>
     if name == "none" {
         return Ok(None);
     }
-    let found = shaper_by_name(name).ok_or_else(|| {
-        let names: Vec<_> = SHAPERS.iter().map(|shaper| shaper.name()).collect();
-        ServiceError::UnknownShaper {
-            shaper: name.to_owned(),
-            known: format!("{}, none", names.join(", ")),
-        }
-    });
-    found.map(Some)
+    let shaper = name.to_owned();
+    match shaper_by_name(name) {
+        Some(found) if found.is_convex() => Ok(Some(found)),
+        Some(_) => Err(ServiceError::NegativeShaper { shaper }),
+        None => Err(ServiceError::UnknownShaper {
+            shaper,
+            known: format!("{}, none", shapers::names().join(", ")),
+        }),
+    }
 }

@@ -1,12 +1,12 @@
 //! A move from its first tick until its vibration has decayed.
 
-use quell_shapers::{GridTrain, Mode, Setpoint};
-use quell_trajectories::{AxisState, Limits, SampledTrajectory};
+use quell_shapers::{Mode, Setpoint};
+use quell_trajectories::{AxisState, SampledTrajectory};
 
 use super::cruise::Cruise;
 use super::learned::WITHIN;
 use super::pacing::Pacing;
-use crate::controller::{setpoint, shaped_peaks};
+use crate::controller::setpoint;
 use crate::estimators::Sample;
 use crate::service::contract::{MoveResult, MoveStart, TickRow};
 use crate::service::following::FOLLOWED;
@@ -38,10 +38,6 @@ pub struct Running {
     pub pacing: Pacing,
     /// Number of the move of several joints that it is part of.
     pub together: Option<u64>,
-    /// The train with which it began from rest.
-    pub train: Option<GridTrain>,
-    /// Largest factor by which the command may exceed the limits of the plan.
-    pub gain: f64,
     /// Whether a train other than the identity was in force.
     pub shaped: bool,
     /// Whether the train followed the estimate.
@@ -86,6 +82,13 @@ impl Running {
         self.first.saturating_add(passed)
     }
 
+    /// Positions of the plan from the tick before `tick` to its end.
+    pub fn positions_from(&self, tick: u64) -> &[f64] {
+        let positions = self.plan.positions(0);
+        let last = positions.len().saturating_sub(1);
+        &positions[self.sample_before(tick).min(last)..]
+    }
+
     /// The plan at a sample.
     pub fn planned_at(&self, sample: usize) -> Setpoint {
         let end = AxisState::at_rest(self.target());
@@ -102,19 +105,6 @@ impl Running {
         let sample = self.sample_before(tick);
         self.plan = self.plan.then(sample, rest);
         (self.tick, self.first) = (tick, sample + first);
-    }
-
-    /// Whether the command keeps the limits with another rest of the plan after a sample. With positive
-    /// amplitudes it does if the plan does.
-    pub fn keeps_shaped(&self, sample: usize, rest: &SampledTrajectory, limits: Limits) -> bool {
-        let train = self
-            .train
-            .as_ref()
-            .filter(|train| train.gain() > 1.0 + ROUNDING);
-        train.is_none_or(|train| {
-            let plan = self.plan.then(sample, rest);
-            shaped_peaks(&plan, limits, train).worst() <= 1.0 + ROUNDING
-        })
     }
 
     /// End of the present plan, rad.

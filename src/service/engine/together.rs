@@ -10,6 +10,7 @@ use quell_shapers::Shaper;
 use quell_trajectories::{AxisState, Limits, SampledTrajectory, Trajectory};
 
 use super::Engine;
+use super::extent::check_range;
 use super::joint::{Asked, Reply, What};
 use super::orders::{TRIED, answer};
 use super::planning::{Planned, refused, standing_train};
@@ -169,7 +170,9 @@ impl Engine {
             .map(|&(index, target)| self.planned_alone(index, target, group.shaper))
             .collect::<Result<_, _>>()?;
         let whole = alone.iter().map(Alone::duration).fold(0.0, f64::max);
-        let stretched = alone.into_iter().map(|alone| self.stretched(alone, whole));
+        let stretched = group.members.iter().zip(alone).map(|(&(index, _), alone)| {
+            check_range(&self.joints[index], self.stretched(alone, whole)?)
+        });
         Ok((stretched.collect::<Result<_, _>>()?, whole))
     }
 
@@ -196,18 +199,7 @@ impl Engine {
         let joint = &self.joints[index];
         let shaper = shaper.unwrap_or(joint.standing_shaper());
         let train = standing_train(joint, shaper, self.config.period)?;
-        // The gain of a train with negative impulses bounds the shaped command of any plan.
-        let gain = train.train.gain().max(1.0);
-        let Limits {
-            velocity,
-            acceleration,
-            jerk,
-        } = self.fed(joint.config.limits, f64::INFINITY);
-        let limits = Limits {
-            velocity: velocity / gain,
-            acceleration: acceleration / gain,
-            jerk: jerk / gain,
-        };
+        let limits = self.fed(joint.config.limits, f64::INFINITY);
         let ends = [joint.position, target].map(AxisState::at_rest);
         let plan = self.planner.plan(&ends[..1], &ends[1..], &[limits]);
         Ok(Alone {

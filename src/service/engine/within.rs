@@ -6,6 +6,7 @@
 use quell_trajectories::SampledTrajectory;
 
 use super::Engine;
+use super::extent::check_range;
 use super::joint::Reply;
 use super::orders::answer;
 use super::planning::{Planned, standing_train};
@@ -133,12 +134,13 @@ impl Engine {
         let planned = members.iter().zip(motion).map(|(&(index, _), samples)| {
             self.check_free(index)?;
             let train = standing_train(&self.joints[index], None, self.config.period)?;
-            Ok(Planned {
+            let planned = Planned {
                 samples: samples.clone(),
                 start: Start::Rest(Box::new(train)),
                 speed: 1.0,
                 shaper: None,
-            })
+            };
+            check_range(&self.joints[index], planned)
         });
         let planned = planned.collect::<Result<Vec<_>, _>>()?;
         let ticks = motion.iter().map(|plan| plan.samples().saturating_sub(1));

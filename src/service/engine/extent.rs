@@ -1,0 +1,39 @@
+//! Where a plan goes.
+
+use quell_trajectories::SampledTrajectory;
+
+use super::joint::Joint;
+use super::planning::Planned;
+use super::running::ROUNDING;
+use crate::service::contract::ServiceError;
+
+/// The plan itself, if it stays within the joint's range, or between it and where the joint is. The command does
+/// then: it is a mean of what was planned.
+pub fn check_range(joint: &Joint, planned: Planned) -> Result<Planned, ServiceError> {
+    let range = joint.config.range;
+    if stays(&planned.samples, range) {
+        return Ok(planned);
+    }
+    let [lowest, highest] = extent(planned.samples.positions(0));
+    Err(ServiceError::LeavesRange {
+        joint: joint.config.name.clone(),
+        position: match range[0] - lowest > highest - range[1] {
+            true => lowest,
+            false => highest,
+        },
+    })
+}
+
+/// The lowest and the highest of positions.
+pub fn extent(positions: &[f64]) -> [f64; 2] {
+    let fold = |of: fn(f64, f64) -> f64| positions.iter().copied().reduce(of).unwrap_or(f64::NAN);
+    [fold(f64::min), fold(f64::max)]
+}
+
+/// Whether a plan stays within a range, or between it and where the plan begins.
+pub fn stays(plan: &SampledTrajectory, [low, high]: [f64; 2]) -> bool {
+    let positions = plan.positions(0);
+    let from = positions.first().copied().unwrap_or(low);
+    let [lowest, highest] = extent(positions);
+    lowest >= low.min(from) - ROUNDING && highest <= high.max(from) + ROUNDING
+}
