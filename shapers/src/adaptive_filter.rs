@@ -25,6 +25,8 @@ pub struct AdaptiveFilter<S = OwnBuffer<Setpoint>, E = OwnBuffer<Entry>> {
     pub(crate) schedule: Schedule,
     pub(crate) history: History<E>,
     pub(crate) sent: Setpoint,
+    /// The lowest and the highest position that a correction may send.
+    pub(crate) range: [f64; 2],
     /// Scratch of [`AdaptiveFilter::retune`]: the planned input and the output it leads to.
     pub(crate) planned: S,
     pub(crate) future: S,
@@ -116,6 +118,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
             schedule: Schedule::default(),
             history: History::new(buffers.history),
             sent: Setpoint::default(),
+            range: [f64::NEG_INFINITY, f64::INFINITY],
             planned: buffers.planned,
             future: buffers.future,
         }
@@ -132,6 +135,12 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
         self.schedule.clone_from(&other.schedule);
         self.history.copy_from(&other.history);
         self.sent = other.sent;
+        self.range = other.range;
+    }
+
+    /// From now on no correction leaves this range, in which the planned input stays. Before, there is none.
+    pub fn keep_within(&mut self, range: [f64; 2]) {
+        self.range = range;
     }
 
     /// Ticks up to now.

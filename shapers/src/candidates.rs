@@ -278,6 +278,7 @@ impl<S: Buffer<Setpoint>, E: Buffer<Entry>> AdaptiveFilter<S, E> {
             future: &self.future[..rest],
             schedule: change.schedule,
             limits: request.limits,
+            range: self.range,
             total,
             meters: &known.meters,
             past: known.sent.clone(),

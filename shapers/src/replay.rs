@@ -75,6 +75,8 @@ pub(crate) struct Forecast<'a, S> {
     /// The last tick at which a train fades.
     pub fades_until: Option<u64>,
     pub limits: MotionLimits,
+    /// The lowest and the highest position.
+    pub range: [f64; 2],
     /// The sum that the new steps must add up to.
     pub total: f64,
     pub meters: &'a [Meter],
@@ -335,7 +337,11 @@ impl<S: Buffer<Setpoint>> Forecast<'_, S> {
     fn holds(&self, before: Setpoint, now: Setpoint, ticks: usize) -> bool {
         let time = self.ahead.sample_time * ticks as f64;
         let keeps = |peaks: PeakRatios| peaks.worst() <= 1.0 + ROUNDING;
-        keeps(PeakRatios::of_tick(before, now, &self.limits, time))
+        let [low, high] = self.range;
+        let slack = ROUNDING * (high - low);
+        let stays = (low - slack..=high + slack).contains(&now.position);
+        stays
+            && keeps(PeakRatios::of_tick(before, now, &self.limits, time))
             && keeps(PeakRatios::between(before, now, &self.limits, time))
     }
 

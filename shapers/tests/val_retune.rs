@@ -34,6 +34,8 @@ struct Scenario<'a> {
     limits: MotionLimits,
     /// Relative standard deviation of the modes.
     spread: f64,
+    /// Where corrections stay.
+    range: [f64; 2],
 }
 
 /// A mode of a relative standard deviation.
@@ -72,6 +74,7 @@ impl Scenario<'_> {
     fn run(&self) -> Run {
         let mut filter = AdaptiveFilter::new(self.tick, 4000, 20000);
         filter.install(&self.belief).unwrap();
+        filter.keep_within(self.range);
         let (mut shaped, mut unshaped) = (
             Joint::new(self.truth, self.tick),
             Joint::new(self.truth, self.tick),
@@ -138,6 +141,7 @@ fn scenario<'a>(
         shaper,
         limits: command.limits(),
         spread: 0.0,
+        range: [f64::NEG_INFINITY, f64::INFINITY],
     }
 }
 
@@ -380,6 +384,31 @@ fn val_what_a_retune_refuses_changes_nothing() {
     }
     // 700 ticks in a memory of 300: the move is over and forgotten as a whole.
     assert_eq!(filter.residual(mode).unwrap().shaped, 0.0);
+}
+
+/// A correction goes around the target, but not where that is the end of the range.
+#[test]
+fn no_correction_leaves_the_range() {
+    let truth = Mode::from_hertz(8.12, XI).unwrap();
+    let highest = |run: &Run| {
+        run.sent
+            .iter()
+            .map(|sent| sent.position)
+            .fold(0.0, f64::max)
+    };
+    let end = PUBLISHED.distance;
+    let mut corrected = 0;
+    for when in [0.1, 0.2, 0.3, 0.45] {
+        let retunes = [((when / 0.002) as usize, truth)];
+        let free = scenario(0.75, "zvd", 0.002, &retunes);
+        let goes_beyond = highest(&free.run()) > end + 1e-6;
+        assert!(goes_beyond || when < 0.4, "{when}");
+        let range = [0.0, end];
+        let kept = Scenario { range, ..free }.run();
+        assert!(highest(&kept) <= end + 1e-9, "{when}");
+        corrected += kept.corrections.len();
+    }
+    assert!(corrected > 0, "a correction within the range is made");
 }
 
 /// The vibration left by a first move is cancelled in the second, even with a memory that has lost the start of

@@ -150,6 +150,7 @@ impl Station {
             let registered = robot.sensor.is_some();
             JointTick::new(index, bounds(joint), watchdog, joint.adaptation, registered)
                 .following_within(joint.config.following_limit, config.period)
+                .ranging_within(joint.config.range, config.period)
         });
         let (tick, rings) = Tick::new(ticks.collect(), robot.link, config.period);
         let (handle, ends) = channels(Snapshot {

@@ -9,7 +9,8 @@ use quell::service::between::between;
 use quell::service::bridged::bridged;
 use quell::service::contract::{LinkHealth, Measured};
 use quell::service::link::RobotLink;
-use quell::service::tick::{EngineRings, Plan, Start, Tick, ToTick, Train};
+use quell::service::tick::gate::{Cause, Trip};
+use quell::service::tick::{EngineRings, Event, JointTick, Plan, Start, Tick, ToTick, Train};
 use quell_shapers::{GridTrain, Setpoint, Shaper, UncertainMode, shaper_by_name};
 
 use super::tick::{controller, joint, plan};
@@ -89,6 +90,15 @@ impl RobotLink for Listener {
 
 /// A tick over an arm, if any, a train for the true mode or none, and a move to 0.5 rad ordered.
 fn bench(shaped: bool, manner: Option<Manner>) -> (Tick, EngineRings, Arc<Mutex<Told>>) {
+    bench_of(joint(&Robot::rx170()), shaped, manner)
+}
+
+/// The same of a joint.
+fn bench_of(
+    joint: JointTick,
+    shaped: bool,
+    manner: Option<Manner>,
+) -> (Tick, EngineRings, Arc<Mutex<Told>>) {
     let robot = Robot::rx170();
     let arm = ArmSimulation::new(&robot, 0, &SimulationOptions::default()).expect("an arm");
     let told: Arc<Mutex<Told>> = Arc::default();
@@ -99,7 +109,7 @@ fn bench(shaped: bool, manner: Option<Manner>) -> (Tick, EngineRings, Arc<Mutex<
         time: 0.0,
         told: Arc::clone(&told),
     });
-    let (tick, mut rings) = Tick::new(vec![joint(&robot)], link, PERIOD);
+    let (tick, mut rings) = Tick::new(vec![joint], link, PERIOD);
     let zvd = shaper_by_name("zvd").expect("a shaper");
     let train = match shaped {
         true => zvd.on_grid(mode, PERIOD).expect("a train"),
@@ -242,4 +252,35 @@ fn ticks_that_are_made_up_for_leave_an_arm_far_calmer() {
             assert!(made_up <= most, "{manner:?}, {missed}: {made_up} of {held}");
         }
     }
+}
+
+/// Whatever the engine has planned: the tick sends no command beyond the range, and closes the gate.
+#[test]
+fn no_command_beyond_the_range_is_sent() {
+    let joint = joint(&Robot::rx170()).ranging_within([-0.1, 0.3], PERIOD);
+    let (mut tick, mut rings, told) = bench_of(joint, false, None);
+    let mut trips = Vec::new();
+    for k in 0..2000 {
+        tick.run(k as f64 * PERIOD, 0);
+        while let Ok(event) = rings.events.pop() {
+            if let Event::Tripped(trip) = event {
+                trips.push(trip);
+            }
+        }
+        while rings.records.pop().is_ok() {}
+    }
+    let told = told.lock().expect("no panic");
+    let last = told.setpoints.last().expect("setpoints").1.position;
+    assert!((0.29..=0.3).contains(&last), "{last}");
+    assert!(told.setpoints.iter().all(|(_, sent)| sent.position <= 0.3));
+    let [
+        Trip {
+            joint: Some(0),
+            cause: Cause::Range(beyond),
+        },
+    ] = trips[..]
+    else {
+        panic!("{trips:?}");
+    };
+    assert!(beyond > 0.3 && beyond < 0.31, "{beyond}");
 }

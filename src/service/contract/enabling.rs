@@ -30,6 +30,8 @@ pub enum FaultKind {
     Sensor,
     /// Ticks were missed for so long that the robot has stood meanwhile.
     TickOverrun,
+    /// A command would have left the range of its joint.
+    Range,
 }
 
 /// Whether moves may begin, and why not.

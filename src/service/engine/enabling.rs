@@ -191,6 +191,11 @@ impl Engine {
                 let reason = format!("nothing was sent to a robot in motion for {seconds:.2} s");
                 (FaultKind::TickOverrun, reason)
             }
+            Cause::Range(position) => {
+                let degrees = position.to_degrees();
+                let reason = format!("{name} was commanded to {degrees:.2} deg, beyond its range");
+                (FaultKind::Range, reason)
+            }
         };
         self.enabling.view = EnableView {
             state: EnableState::Faulted,
@@ -202,6 +207,10 @@ impl Engine {
         };
         self.enabling.permit += 1;
         tracing::error!("fault: {reason}; stopped, and no move begins until it is reset");
+        if let (Cause::Range(_), Some(index)) = (trip.cause, trip.joint) {
+            // It holds what it was sent last, and is commanded again from where it stands.
+            self.cease(index);
+        }
         self.stop_all(&ServiceError::Faulted { reason });
         self.publish();
     }

@@ -17,6 +17,8 @@ pub enum Cause {
     Sensor(Fault),
     /// Nothing was sent to a moving joint for this time, s.
     Overrun(f64),
+    /// A command at this position (rad), beyond the joint's range. It was not sent.
+    Range(f64),
 }
 
 /// A fault.

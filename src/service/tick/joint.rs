@@ -12,6 +12,7 @@ use super::following::Following;
 use super::hearing::{Hearing, Watchdog};
 use super::messages::{Event, Plan, RetuneOrder};
 use super::pace::Stride;
+use super::reach::Reach;
 use crate::controller::Controller;
 use crate::estimators::Estimate;
 use crate::service::between::within_limits;
@@ -43,6 +44,7 @@ pub struct JointTick {
     quiet: bool,
     hearing: Hearing,
     following: Following,
+    reach: Reach,
     move_id: u64,
     /// Number of the plan that runs or ran last.
     ticket: u64,
@@ -80,6 +82,7 @@ impl JointTick {
             quiet: false,
             hearing: Hearing::new(watchdog),
             following: Following::new(f64::INFINITY, f64::INFINITY),
+            reach: Reach::default(),
             move_id: 0,
             ticket: 0,
             runs: false,
@@ -95,6 +98,12 @@ impl JointTick {
         self
     }
 
+    /// The joint with a range (rad) of its commands, which come every `period` (s). Without it they are not checked.
+    pub fn ranging_within(mut self, range: [f64; 2], period: f64) -> Self {
+        self.reach = Reach::new(range, self.limits, period);
+        self
+    }
+
     /// Commands the joint from `now` (s) on; returns the controller before.
     pub fn begin(&mut self, controller: Box<Controller>, now: f64) -> Option<Box<Controller>> {
         self.hearing.begin(now);
@@ -104,6 +113,7 @@ impl JointTick {
         self.runs = false;
         self.guard.restart();
         self.following.restart();
+        self.reach.restart(self.sent.position);
         self.controller.replace(controller)
     }
 
@@ -165,6 +175,11 @@ impl JointTick {
         self.sent = setpoint;
         self.following.command(time, setpoint.position);
         Some(setpoint)
+    }
+
+    /// Whether its command may be sent, within its range.
+    pub fn reaches(&mut self) -> bool {
+        self.reach.admits(self.sent.position)
     }
 
     /// Reports, once, that the command stands still after a plan.

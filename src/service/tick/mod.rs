@@ -15,6 +15,7 @@ mod messages;
 mod orders;
 pub mod pace;
 mod pulse;
+mod reach;
 pub mod real_time;
 mod taking;
 mod thread;
@@ -358,10 +359,15 @@ impl Tick {
 
     fn command(&mut self, index: usize, now: f64, stride: &Stride) {
         let displaced = self.joints[index].is_displaced(now);
-        if let Some(setpoint) = self.joints[index].setpoint(stride, self.period, now)
-            && !displaced
-        {
-            self.link.send(now, index, &setpoint);
+        if let Some(setpoint) = self.joints[index].setpoint(stride, self.period, now) {
+            if !self.joints[index].reaches() {
+                self.gate.trip(Trip {
+                    joint: Some(index),
+                    cause: Cause::Range(setpoint.position),
+                });
+            } else if !displaced {
+                self.link.send(now, index, &setpoint);
+            }
         }
         self.record_row(index, now);
     }

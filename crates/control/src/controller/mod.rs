@@ -122,6 +122,11 @@ impl Controller {
         Ok(self.plan.replace(plan))
     }
 
+    /// From now on no correction sends a position outside of this range, rad, in which the plans stay. No allocation.
+    pub fn keep_within(&mut self, range: [f64; 2]) {
+        self.axis.filter.keep_within(range);
+    }
+
     /// One control period: takes what was measured since the last tick, returns the setpoint.
     ///
     /// Does not allocate, block, print or fail. Cost: most often below a microsecond; a retune

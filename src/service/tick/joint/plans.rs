@@ -70,6 +70,7 @@ impl JointTick {
         }
         let samples = plan.samples.take()?;
         let moving = controller.is_moving();
+        controller.keep_within(self.reach.begin(self.sent.position));
         match controller.load(samples) {
             Ok(old) => plan.samples = old,
             Err((samples, error)) => {
