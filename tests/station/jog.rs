@@ -2,7 +2,7 @@
 
 use quell::service::contract::{Accepted, Phase, Request, ServiceError};
 
-use super::world::{LIMITS, PERIOD, World, beyond_limits, config};
+use super::world::{LIMITS, PERIOD, STANDSTILL, World, beyond_limits, config};
 
 /// Seconds after which a hold that is not renewed is over, as the interface says.
 const HELD: f64 = 0.25;
@@ -150,4 +150,31 @@ fn the_feed_stretches_the_plan_and_not_the_train() {
     assert_eq!(world.steps(50)[0].answer, Err(ServiceError::NoFeed));
     world.ask(Request::Feed { share: 1.1 });
     assert!(world.steps(1)[0].answer.is_err());
+}
+
+/// It begins beyond the end of its range: it may come back, not go on.
+#[test]
+fn a_jog_moves_only_in_its_direction() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut own = config(data.path());
+    own.joints[0].range = [-0.2, 0.2];
+    let mut world = World::start(own, 1e9, 0.35, true);
+    world.steps(STANDSTILL);
+    world.enable();
+    world.steps(1);
+    let refused = hold(&mut world, 1, 3);
+    let no_room = |answer: &Result<_, _>| matches!(answer, Err(ServiceError::NoRoom { .. }));
+    assert!(refused.iter().all(no_room), "{refused:?}");
+    assert_eq!(world.last().map(|(_, sent)| sent.position), Some(0.35));
+    jog(&mut world, -VELOCITY, 2);
+    assert!(world.steps(60).iter().all(|one| one.answer.is_ok()));
+    let at = world.last().expect("setpoints").1.position;
+    assert!(at < 0.35, "{at}");
+    world.steps(200);
+    // At the end of the range there is no room, either.
+    world.go(0.2);
+    world.steps(300);
+    assert_eq!(world.last().map(|(_, sent)| sent.position), Some(0.2));
+    assert!(hold(&mut world, 3, 1).iter().all(no_room));
+    assert_eq!(world.snapshot().enable.faults, 0);
 }

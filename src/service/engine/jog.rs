@@ -67,6 +67,7 @@ impl Engine {
         }
         let end = joint.config.range[usize::from(velocity > 0.0)];
         let (index, what) = self.check_move(&name, end, None)?;
+        self.check_room(index, velocity.signum(), end)?;
         let until = self.clock.now() + HELD;
         let jog = Jog {
             hold,
@@ -89,6 +90,23 @@ impl Engine {
             within: false,
         };
         Ok(Some((index, what)))
+    }
+
+    /// Checks that a joint at rest has room in a direction. In motion it may have passed the end only on a way back.
+    fn check_room(&self, index: usize, direction: f64, end: f64) -> Result<(), ServiceError> {
+        let joint = &self.joints[index];
+        let position = match &joint.running {
+            Some(running) if !joint.is_at_rest() => running.state_before(self.next_tick()).position,
+            _ => joint.position,
+        };
+        match (end - position) * direction > 0.0 {
+            true => Ok(()),
+            false => Err(ServiceError::NoRoom {
+                joint: joint.config.name.clone(),
+                position,
+                end,
+            }),
+        }
     }
 
     /// Ends a hold because of another request for the joint.
