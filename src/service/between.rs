@@ -1,7 +1,7 @@
 //! The motion between two setpoints.
 
 use quell_shapers::Setpoint;
-use quell_trajectories::AxisState;
+use quell_trajectories::{AxisState, Limits};
 
 use crate::controller::setpoint;
 
@@ -13,6 +13,20 @@ pub fn between([from, to]: [Setpoint; 2], share: f64, period: f64) -> Setpoint {
 /// [`AxisState::between_within_limits`] of setpoints.
 pub fn within_limits([from, to]: [Setpoint; 2], share: f64, period: f64) -> Setpoint {
     setpoint(state(from).between_within_limits(state(to), share, period))
+}
+
+/// How far a command may be beyond the exact end of a stop that begins between two samples of a plan, rad.
+///
+/// The velocity there is linear and differs from the derivative of the position by up to `j h^2 / 8`, over a stop
+/// of up to `v / a + a / j`. Between two setpoints there is `j h^3 / 6` at most.
+pub fn inexact(limits: Limits, period: f64) -> f64 {
+    let Limits {
+        velocity,
+        acceleration,
+        jerk,
+    } = limits;
+    let stop = velocity / acceleration + acceleration / jerk;
+    jerk * period.powi(2) * (stop / 8.0 + period / 6.0)
 }
 
 fn state(of: Setpoint) -> AxisState {

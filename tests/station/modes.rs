@@ -34,7 +34,11 @@ pub fn settings_of(data: &Path, belief_hz: f64) -> Config {
 }
 
 pub fn world(data: &Path, belief_hz: f64, modes: &[PlantMode]) -> World {
-    let mut world = World::start(settings_of(data, belief_hz), 1e9, 0.0, true);
+    world_of(settings_of(data, belief_hz), modes)
+}
+
+pub fn world_of(config: Config, modes: &[PlantMode]) -> World {
+    let mut world = World::start(config, 1e9, 0.0, true);
     world.robot.arm = Some(Plant::new(modes, Faults::USUAL, PERIOD, 0.0, 1));
     world.steps(100);
     world.enable();

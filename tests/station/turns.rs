@@ -2,7 +2,7 @@
 
 use quell::service::contract::{Phase, Request, ShapingChange};
 
-use super::modes::{JERK, go, posed, run, two, world};
+use super::modes::{JERK, go, posed, run, settings_of, two, world, world_of};
 use super::plant::PlantMode;
 use super::world::{LIMITS, PERIOD, Sent, World};
 
@@ -163,4 +163,31 @@ fn jogged(world: &mut World, press: u64, tenths: usize) -> f64 {
     trace[end..]
         .iter()
         .fold(0.0, |peak: f64, one| peak.max(one.1.abs()))
+}
+
+/// A correction swings around a target that is the end of the range, and leaves less to a stop and to a new target.
+#[test]
+fn corrections_and_orders_on_the_way_stay_in_the_range() {
+    let end = 40_f64.to_radians();
+    let mut corrections = 0;
+    for ticks in (20..260).step_by(20) {
+        for order in [None, Some(to(1.0)), Some(Request::Stop)] {
+            let data = tempfile::tempdir().expect("a folder");
+            let mut own = settings_of(data.path(), 9.0);
+            own.joints[0].range = [0.0, end];
+            let mut world = world_of(own, &[PlantMode::new(8.0, 0.03, 1.0)]);
+            world.ask(to(40.0));
+            world.steps(ticks);
+            world.ask(order.unwrap_or_else(|| to(40.0)));
+            world.steps(600);
+            let positions = world.sent().into_iter().map(|(_, sent)| sent.position);
+            let beyond = positions.map(|at| (at - end).max(-at)).fold(0.0, f64::max);
+            assert!(beyond < 1e-9, "{ticks}: {beyond} rad");
+            let joint = world.joint();
+            assert_eq!(joint.phase, Phase::Rest, "{ticks}");
+            assert_eq!(world.snapshot().enable.faults, 0, "{ticks}");
+            corrections += joint.corrections;
+        }
+    }
+    assert!(corrections > 0, "corrections are made");
 }

@@ -5,12 +5,15 @@ use quell_trajectories::SampledTrajectory;
 use super::joint::Joint;
 use super::planning::Planned;
 use super::running::ROUNDING;
+use crate::service::between::inexact;
 use crate::service::contract::ServiceError;
 
 /// The plan itself, if it stays within the joint's range, or between it and where the joint is. The command does
 /// then: it is a mean of what was planned.
 pub fn check_range(joint: &Joint, planned: Planned) -> Result<Planned, ServiceError> {
-    let range = joint.config.range;
+    let inexact = inexact(joint.config.limits, planned.samples.period());
+    let [low, high] = joint.config.range;
+    let range = [low - inexact, high + inexact];
     if stays(&planned.samples, range) {
         return Ok(planned);
     }

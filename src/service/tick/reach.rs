@@ -5,14 +5,16 @@
 
 use quell_trajectories::Limits;
 
+use crate::service::between::inexact;
+
 /// Where the commands of a joint may be. No allocation.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
     range: [f64; 2],
     /// The range, and where the joint was when its plan began: it may come back from beyond.
     allowed: [f64; 2],
-    /// How far a setpoint between two samples may be beyond them, rad.
-    between: f64,
+    /// How far a command may be beyond them, rad.
+    inexact: f64,
     left: bool,
 }
 
@@ -22,25 +24,24 @@ impl Default for Reach {
         Self {
             range,
             allowed: range,
-            between: 0.0,
+            inexact: 0.0,
             left: false,
         }
     }
 }
 
 impl Reach {
-    /// A range (rad) for commands within limits every `period` (s). In a period a position differs from that
-    /// without jerk by `j h^3 / 6`.
+    /// A range (rad) for commands within limits every `period` (s).
     pub fn new(range: [f64; 2], limits: Limits, period: f64) -> Self {
         Self {
             range,
             allowed: range,
-            between: limits.jerk * period.powi(3) / 6.0,
+            inexact: inexact(limits, period),
             left: false,
         }
     }
 
-    /// A plan begins while the command is at this position.
+    /// A plan begins while the command is at this position; returns where commands may be from now on.
     pub fn begin(&mut self, position: f64) -> [f64; 2] {
         let [low, high] = self.range;
         self.allowed = [low.min(position), high.max(position)];
@@ -56,7 +57,7 @@ impl Reach {
     /// Whether a command may be sent: no command since the joint is commanded was beyond.
     pub fn admits(&mut self, position: f64) -> bool {
         let [low, high] = self.allowed;
-        let within = low - self.between..=high + self.between;
+        let within = low - self.inexact..=high + self.inexact;
         self.left |= !within.contains(&position);
         !self.left
     }
