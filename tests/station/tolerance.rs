@@ -86,3 +86,30 @@ fn a_tolerance_is_not_dropped() {
         "{refused:?}"
     );
 }
+
+/// A client that has gone does not see what moves: what it asked for and what has not begun does not begin.
+#[test]
+fn what_nobody_waits_for_any_more_does_not_begin() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = World::start(settings_of(data.path(), 9.0), 1e9, 0.0, true);
+    world.steps(100);
+    world.enable();
+    world.step();
+    for solved in [false, true] {
+        world.ask(within(0.5, 0.05));
+        if solved {
+            // It is being solved.
+            world.work();
+        }
+        assert_eq!(world.waiting().len(), 1);
+        world.give_up();
+        world.steps(1000);
+        assert!(world.sent().iter().all(|(_, sent)| sent.position == 0.0));
+    }
+    world.go(0.5);
+    world.give_up();
+    world.steps(200);
+    assert!(world.sent().iter().all(|(_, sent)| sent.position == 0.0));
+    let begun = answered(&mut world, within(0.5, 0.05));
+    assert!(matches!(begun, Ok(Accepted::Move { .. })), "{begun:?}");
+}

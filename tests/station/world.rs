@@ -335,6 +335,11 @@ impl World {
         });
     }
 
+    /// All clients close their connections: nobody waits for an answer.
+    pub fn give_up(&mut self) {
+        self.asked.clear();
+    }
+
     /// Requests that wait for their answers.
     pub fn waiting(&self) -> &[Asked] {
         &self.asked

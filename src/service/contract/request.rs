@@ -74,6 +74,15 @@ pub enum Request {
 }
 
 impl Request {
+    /// Whether it begins a motion.
+    pub fn moves(&self) -> bool {
+        match self {
+            Self::Move { .. } | Self::MoveWithin { .. } | Self::MoveTogether { .. } => true,
+            Self::Jog { velocity, .. } => *velocity != 0.0,
+            _ => false,
+        }
+    }
+
     /// Whether it begins nothing: it is heard also where the tick is stuck.
     pub fn is_heard_always(&self) -> bool {
         match self {

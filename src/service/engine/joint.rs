@@ -107,6 +107,14 @@ pub struct Asked {
     pub reply: Option<Reply>,
 }
 
+impl Asked {
+    /// Whether nobody waits any more for a move that has not begun.
+    pub fn is_abandoned(&self) -> bool {
+        let gone = self.reply.as_ref().is_some_and(Reply::is_closed);
+        gone && matches!(self.what, What::Move { .. })
+    }
+}
+
 /// A plan that the tick has not answered yet.
 pub struct Ordered {
     /// Number of the plan.

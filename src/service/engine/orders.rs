@@ -229,6 +229,9 @@ impl Engine {
                 self.disband(together.id, &ServiceError::Busy);
                 continue;
             }
+            if asked.is_abandoned() {
+                continue;
+            }
             match self.planned(index, asked.what, asked.ahead, asked.effort) {
                 Ok(planned) => self.go(index, asked, planned),
                 Err(error) => answer(asked.reply, Err(error)),

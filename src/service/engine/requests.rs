@@ -26,6 +26,10 @@ impl Engine {
             number,
             reply,
         } = envelope;
+        if request.moves() && reply.is_closed() {
+            // Nobody waits for it any more.
+            return;
+        }
         // First the present reports of the tick are handled.
         self.hear_all();
         let answer = match request {

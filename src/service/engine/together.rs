@@ -115,7 +115,12 @@ impl Engine {
         self.have_trains(group);
     }
 
+    /// Orders, unless nobody waits for it any more.
     pub(super) fn begin_together(&mut self, mut group: Group) {
+        if group.reply.as_ref().is_none_or(Reply::is_closed) {
+            tracing::debug!("a move was given up by its client before it began");
+            return;
+        }
         let planned = match self.planned_together(&group) {
             Ok((planned, duration)) => {
                 group.duration = duration;
