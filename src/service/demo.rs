@@ -4,7 +4,8 @@
 use std::time::Duration;
 
 use super::contract::{
-    Accepted, Handle, ModeValue, Phase, Request, ServiceError, ShapingChange, Snapshot,
+    Accepted, Handle, JointSnapshot, ModeValue, Phase, Request, ServiceError, ShapingChange,
+    Snapshot,
 };
 
 /// Ends of the moves, rad.
@@ -30,15 +31,30 @@ pub fn check(handle: &Handle) -> Result<(), ServiceError> {
 }
 
 /// Runs the demonstration: unshaped, wrong belief, adapting, adapted. It enables moves, as its request implies,
-/// and ends early if a user stops or disables.
+/// and ends early if a user stops or disables. Shaper and adaptation are then again what they were. So is the
+/// mode, if it ended early; else the one that was learned stays.
 ///
 /// # Errors
 /// The error of a request that is refused; that of [`check`].
 pub async fn run(handle: &Handle) -> Result<(), ServiceError> {
     check(handle)?;
     let first = until(handle, |snapshot| rests(snapshot, 0)).await?;
-    let joint = first.joints[0].name.clone();
-    let truth = first.joints[0].true_mode.or(first.joints[0].mode);
+    let before = &first.joints[0];
+    let shown = show(handle, before).await;
+    let restored = ShapingChange {
+        joint: Some(before.name.clone()),
+        adaptation: Some(before.adaptation),
+        enabled: Some(before.shaping),
+        kind: Some(before.shaper.into()),
+        mode: before.mode.filter(|_| shown.is_err()),
+    };
+    handle.ask(Request::Shaping(restored)).await?;
+    shown
+}
+
+async fn show(handle: &Handle, first: &JointSnapshot) -> Result<(), ServiceError> {
+    let joint = first.name.clone();
+    let truth = first.true_mode.or(first.mode);
     let wrong = truth.map(|mode| ModeValue {
         frequency_hz: WRONG * mode.frequency_hz,
         ..mode

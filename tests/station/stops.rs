@@ -1,6 +1,6 @@
 //! A stop does not wait behind moves, and what was asked before it does not begin after it.
 
-use quell::service::contract::{Accepted, Request, ServiceError};
+use quell::service::contract::{Accepted, Phase, Request, ServiceError};
 
 use super::world::{World, config};
 
@@ -56,4 +56,20 @@ fn moves_that_wait_do_not_delay_the_stop_of_one_that_runs() {
     world.steps(200);
     let at = world.last().expect("setpoints").1;
     assert!(at.velocity == 0.0 && at.position < 1.0, "{at:?}");
+}
+
+/// A client that has the answer to a move finds it in the state, and does not take the joint for at rest.
+#[test]
+fn a_move_that_was_answered_is_in_the_state() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = World::commanded(config(data.path()), true);
+    for (id, target) in [(1, 0.5), (2, -0.5)] {
+        world.go(target);
+        let answer = (0..50).find_map(|_| world.step().pop());
+        assert!(answer.is_some_and(|one| one.answer.is_ok()));
+        let joint = world.joint();
+        assert_eq!((joint.phase, joint.move_id), (Phase::Moving, id));
+        assert_eq!(joint.target_rad, target);
+        world.steps(20);
+    }
 }

@@ -332,6 +332,8 @@ impl Engine {
         if let Start::Tick(_) = &taken.plan.start {
             self.have_turned(index, &ordered);
         }
+        // A client that has its answer finds the move in the state.
+        self.publish();
         if let Some(together) = ordered.together {
             self.begun(index, ordered.ticket);
             return self.member_taken(together.id, index, ordered.id);
