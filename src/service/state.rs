@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -141,11 +141,44 @@ impl StateFile {
             ..state.clone()
         };
         let text = serde_json::to_vec_pretty(&state)?;
-        let written = self.disk.write_whole(&self.path, &text);
+        let written = self.write(&text);
         let named = written.map_err(|error| {
             let path = self.path.display();
             io::Error::new(error.kind(), format!("{path}: {error}"))
         });
         self.disk.told(DiskPart::State, named)
+    }
+
+    /// Writes the file; on a full disk into the room that was kept for it.
+    fn write(&self, text: &[u8]) -> io::Result<()> {
+        let room = self.path.with_extension("json.room");
+        let storage = self.disk.storage();
+        let full = |error: &io::Error| error.kind() == io::ErrorKind::StorageFull;
+        let written = match self.disk.write_whole(&self.path, text) {
+            Err(error) if full(&error) && storage.remove(&room).is_ok() => {
+                self.disk.write_whole(&self.path, text)
+            }
+            written => written,
+        };
+        let kept = fs::metadata(&room).map_or(0, |room| room.len());
+        if written.is_ok() && kept < text.len() as u64 {
+            self.keep_room(&room, text);
+        }
+        written
+    }
+
+    /// Keeps room for a state twice as large as this one. These are its bytes: where the system compresses, they take
+    /// what a state takes.
+    fn keep_room(&self, room: &Path, text: &[u8]) {
+        let storage = self.disk.storage();
+        let kept = storage.create(room).and_then(|mut file| {
+            file.write_all(text)?;
+            file.write_all(text)?;
+            file.flush()
+        });
+        if kept.is_err() {
+            // There is none now; the next state tries again.
+            let _ = storage.remove(room);
+        }
     }
 }

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 use quell::service::contract::{DiskState, EngineEnds, Handle, RecordingNews, Snapshot, channels};
 use quell::service::disk::{Disk, Storage};
 use quell::service::recorder::{RecordError, Recorder, Shelf};
+use quell::service::state::{State, StateFile};
 use tokio::sync::mpsc::UnboundedReceiver;
 
 use super::faulty::Faulty;
@@ -251,4 +252,37 @@ fn what_takes_a_name_is_on_the_medium() {
     file.save(&Default::default()).expect("a state");
     let renamed = wary.renamed.lock().expect("no panic");
     assert!(renamed.is_empty(), "names that may be lost: {renamed:?}");
+}
+
+/// Recordings have taken all that there is: the state goes into the room that was kept for it.
+#[test]
+fn a_full_disk_takes_the_next_state_all_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let room = folder.path().join("state.json.room");
+    let faulty = Faulty::new(|_, _| false);
+    let file = StateFile::within(folder.path(), Disk::new(Arc::new(faulty.clone())));
+    let state = |last_move| State {
+        last_move,
+        ..State::default()
+    };
+    file.save(&state(1)).expect("room");
+    let kept = std::fs::metadata(&room).expect("room is kept").len();
+    assert!(
+        kept >= std::fs::metadata(folder.path().join("state.json"))
+            .expect("a state")
+            .len()
+    );
+    // What is not the room itself has none, as long as that is there.
+    let there = room.clone();
+    faulty.refuse(move |_, path| path.ends_with("state.json.new") && there.exists());
+    for last_move in [2, 3] {
+        file.save(&state(last_move))
+            .expect("the room that was kept");
+        assert_eq!(file.load().last_move, last_move);
+        assert!(room.exists(), "it is kept again");
+    }
+    // A disk that takes nothing at all.
+    faulty.refuse(|_, _| true);
+    assert!(file.save(&state(4)).is_err());
+    assert_eq!(file.load().last_move, 3);
 }
