@@ -35,7 +35,7 @@ pub enum Fault {
     Stuck,
     /// The reading is at the end of the sensor's scale.
     Saturated,
-    /// The reading has changed by more than the joint can have moved.
+    /// The reading has changed by more than the joint can have moved, and than it was commanded to.
     Jump,
     /// The reading is not finite.
     NotFinite,
@@ -116,6 +116,9 @@ pub struct CommandedMotion {
     pub velocity: f64,
     /// Change of the acceleration over the last tick, rad/s^3.
     pub jerk: f64,
+    /// The largest change from one setpoint to the next that the motor side may still follow, rad: after missed
+    /// ticks that of all of them.
+    pub step: f64,
 }
 
 /// Watches the sensors of one joint. No allocation.
@@ -221,12 +224,13 @@ impl Guard {
             return Some(Fault::Stuck);
         }
         let elapsed = now.stamp - last.stamp;
-        self.jumps(now, last, elapsed).then_some(Fault::Jump)
+        self.jumps(now, last, elapsed, motion.step)
+            .then_some(Fault::Jump)
     }
 
-    fn jumps(&self, now: &Measured, last: &Measured, elapsed: f64) -> bool {
+    fn jumps(&self, now: &Measured, last: &Measured, elapsed: f64, commanded: f64) -> bool {
         let step: f64 = (0..3).map(|i| (now.value[i] - last.value[i]).powi(2)).sum();
-        let farthest = JUMP * self.bounds.limits.velocity * elapsed;
+        let farthest = JUMP * self.bounds.limits.velocity * elapsed + commanded;
         match now.quantity {
             Quantity::TipPosition => step.sqrt() > farthest * self.bounds.radius,
             Quantity::TipAcceleration => false,

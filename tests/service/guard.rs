@@ -17,10 +17,12 @@ const BOUNDS: Bounds = Bounds {
 const MOVING: CommandedMotion = CommandedMotion {
     velocity: 1.0,
     jerk: 100.0,
+    step: 0.0,
 };
 const STILL: CommandedMotion = CommandedMotion {
     velocity: 0.0,
     jerk: 0.0,
+    step: 0.0,
 };
 
 struct Bench {
@@ -91,6 +93,14 @@ fn the_end_of_the_scale_a_jump_and_no_number_are_refused() {
         let taken = (0..1200).filter(|_| bench.says(quantity, good, STILL));
         assert!((690..=703).contains(&taken.count()), "{quantity:?} {bad}");
     }
+    let mut bench = Bench::new();
+    let stepped = CommandedMotion {
+        step: 0.03,
+        ..MOVING
+    };
+    assert!(bench.says(Quantity::MotorPosition, 0.5, MOVING));
+    assert!(bench.says(Quantity::MotorPosition, 0.53, stepped));
+    assert!(!bench.says(Quantity::MotorPosition, 0.57, stepped));
     let mut bench = Bench::new();
     let motion = |k: i32| 0.5 + 7.9e-3 * f64::from(k);
     assert!((0..100).all(|k| bench.says(Quantity::MotorPosition, motion(k), MOVING)));

@@ -228,3 +228,25 @@ fn what_was_taken_back_while_the_tick_was_stuck_does_not_begin() {
         assert_eq!(world.last().map(|(_, sent)| sent.position), Some(0.2));
     }
 }
+
+/// After missed ticks the setpoint is that of its own instant. A drive that takes it at once steps, and its sensor
+/// says so.
+#[test]
+fn a_step_that_was_commanded_is_no_jump_of_the_sensor() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = moving(data.path());
+    world.steps(60);
+    let before = world.last().expect("setpoints").1;
+    world.miss(5);
+    world.steps(1);
+    let step = world.last().expect("setpoints").1.position - before.position;
+    // More than a reading may change by in a period.
+    assert!(step > 4.0 * LIMITS.velocity * PERIOD, "{step}");
+    world.steps(50);
+    assert_eq!(state(&world), EnableState::Enabled);
+    assert_eq!(world.snapshot().enable.faults, 0);
+    // What nobody commanded is one.
+    world.robot.position += step;
+    world.steps(20);
+    assert_eq!(world.snapshot().enable.fault, Some(FaultKind::Sensor));
+}

@@ -3,11 +3,13 @@
 mod plans;
 mod reports;
 mod sensors;
+mod steps;
 mod trains;
 
 use quell_shapers::Setpoint;
 use quell_trajectories::Limits;
 
+use self::steps::Steps;
 use super::following::Following;
 use super::hearing::{Hearing, Watchdog};
 use super::messages::{Event, Plan, RetuneOrder};
@@ -35,6 +37,7 @@ pub struct JointTick {
     /// The command at the last two control periods.
     command: [Setpoint; 2],
     sent: Setpoint,
+    steps: Steps,
     motion: CommandedMotion,
     adaptive: bool,
     /// Whether the frame of the tip's sensor is known; until then the sensor is ignored.
@@ -75,6 +78,7 @@ impl JointTick {
             retuning: None,
             command: [Setpoint::default(); 2],
             sent: Setpoint::default(),
+            steps: Steps::default(),
             motion: CommandedMotion::default(),
             adaptive,
             registered,
@@ -114,6 +118,7 @@ impl JointTick {
         self.guard.restart();
         self.following.restart();
         self.reach.restart(self.sent.position);
+        self.steps = Steps::default();
         self.controller.replace(controller)
     }
 
@@ -171,10 +176,16 @@ impl JointTick {
         self.motion = CommandedMotion {
             velocity: setpoint.velocity,
             jerk: (setpoint.acceleration - self.sent.acceleration) / period,
+            step: self.motion.step,
         };
         self.sent = setpoint;
         self.following.command(time, setpoint.position);
         Some(setpoint)
+    }
+
+    /// The setpoint of a tick at `now` (s) was sent to the robot.
+    pub fn was_sent(&mut self, now: f64) {
+        self.motion.step = self.steps.take(now, self.sent.position);
     }
 
     /// Whether its command may be sent, within its range.

@@ -367,6 +367,7 @@ impl Tick {
                 });
             } else if !displaced {
                 self.link.send(now, index, &setpoint);
+                self.joints[index].was_sent(now);
             }
         }
         self.record_row(index, now);
