@@ -27,12 +27,13 @@ def send(said):
     link.sendto(body + b',"sig":"' + sig.encode() + b'"}', quell)
 
 
-position = 0.0
+position, seq = 0.0, 0
 while True:
     try:
         while True:
             setpoint = json.loads(link.recv(2048))
-            position = setpoint["position"]  # give it to your drive
+            if not 0 <= seq - setpoint["seq"] < 1000:  # overtaken on its way; a service that starts counts anew
+                position, seq = setpoint["position"], setpoint["seq"]  # give it to your drive
     except (BlockingIOError, ConnectionRefusedError):
         pass  # nothing has come, or nobody listens yet
     # Read your encoder here, and your second sensor, if there is one: "deformation", "link_position", "tip_position".

@@ -159,6 +159,14 @@ fn a_configuration_is_refused_with_line_key_and_what_was_meant() {
             ":3: joint[1].frequency_hz = -1: it must be finite and above 0",
         ),
         (
+            "[[joint]]\nname = \"a\"\nfrequency_hz = 0.0001\n",
+            ":3: joint[1].frequency_hz = 0.0001: it must be at least 0.2 Hz",
+        ),
+        (
+            "[[joint]]\nname = \"a\"\nshaper = \"umzv\"\n",
+            ":3: joint[1].shaper = \"umzv\": it must be a shaper of positive impulses",
+        ),
+        (
             "[[joint]]\nname = \"a\"\nencoder_resolution_deg = 90\n",
             ":3: joint[1].encoder_resolution_deg = 90: it must be from 0 to 60",
         ),
@@ -180,4 +188,20 @@ fn a_configuration_is_refused_with_line_key_and_what_was_meant() {
         assert!(refused.contains(words), "{refused}");
         assert_eq!(refused.lines().count(), 1, "{refused}");
     }
+}
+
+/// The range of a robot that is not simulated is not known: a default is told as one.
+#[test]
+fn a_range_that_nobody_gave_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (robot, range, assumed) in [
+        ("udp", "", true),
+        ("udp", "range_deg = [-90.0, 90.0]\n", false),
+        ("embedded", "", false),
+    ] {
+        let text = format!("[service]\nrobot = \"{robot}\"\n[[joint]]\nname = \"a\"\n{range}");
+        let joint = &load(folder.path(), &text).expect("a configuration").joints[0];
+        assert_eq!(joint.range_assumed, assumed, "{text}");
+    }
+    assert!(listed().contains("Where absent -360 and 360"));
 }

@@ -321,10 +321,57 @@ fn requests_that_make_no_sense_change_nothing() {
     };
     assert!(to("elbow", 0.0, None).contains("joint_1"));
     assert!(to("joint_1", f64::NAN, None).contains("NaN"));
-    assert!(to("joint_1", 7.0, None).contains('7'));
+    assert!(to("joint_1", 400_f64.to_radians(), None).contains("deg is 400"));
     assert!(to("joint_1", 0.5, Some("zzz")).contains("zvd"));
     let nothing = ask(&handle, Request::Shaping(ShapingChange::default()));
     assert_eq!(nothing, Err(ServiceError::Nothing));
-    assert!(ask(&handle, Request::Payload { mass: -1.0 }).is_err());
+    for mass in [-1.0, 1e300] {
+        assert!(ask(&handle, Request::Payload { mass }).is_err());
+    }
+    let none = Request::MoveTogether {
+        targets: Vec::new(),
+        shaper: None,
+        tolerance: None,
+    };
+    assert_eq!(ask(&handle, none), Err(ServiceError::NoJoints));
+    let jog = Request::Jog {
+        joint: "joint_1".into(),
+        velocity: 2000_f64.to_radians(),
+        hold: 1,
+    };
+    let refused = ask(&handle, jog).expect_err("refused").to_string();
+    assert!(refused.contains("deg/s is 2000"), "{refused}");
     assert_eq!(handle.snapshot().joints[0].move_id, 0);
+}
+
+/// Whoever stops the demonstration finds shaper and adaptation as they were.
+#[test]
+fn a_demonstration_that_is_stopped_leaves_what_it_found() {
+    let data = tempfile::tempdir().expect("a folder");
+    let service = start(config(RobotKind::Embedded, data.path())).expect("a service");
+    let handle = service.handle();
+    let before = wait(&handle, "it rests", |snapshot| {
+        phase_is(Phase::Rest)(snapshot) && snapshot.joints[0].motor_rad.is_some()
+    });
+    let before = &before.joints[0];
+    assert!(before.adaptation);
+    std::thread::scope(|scope| {
+        let demo = scope.spawn(|| {
+            let runtime = tokio::runtime::Builder::new_current_thread()
+                .enable_time()
+                .build();
+            let shown = quell::service::demo::run(&handle);
+            runtime.expect("a runtime").block_on(shown)
+        });
+        wait(&handle, "it moves", |snapshot| {
+            phase_is(Phase::Moving)(snapshot) && !snapshot.joints[0].adaptation
+        });
+        ask(&handle, Request::Stop).expect("a stop");
+        assert_eq!(demo.join().expect("no panic"), Err(ServiceError::Stopped));
+    });
+    // Its own mode is learned anew, or has been.
+    wait(&handle, "it is as it was", |snapshot| {
+        let now = &snapshot.joints[0];
+        (now.shaper, now.shaping, now.adaptation) == (before.shaper, before.shaping, true)
+    });
 }

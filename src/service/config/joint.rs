@@ -15,6 +15,9 @@ use crate::signal::JointArc;
 const RANGE: [f64; 2] = [-core::f64::consts::TAU, core::f64::consts::TAU];
 /// Default belief of a joint: typical of robot arms.
 pub(super) const BELIEF: (f64, f64) = (10.0, 0.05);
+/// Longest period of the mode, s: a train of four of them is as long as what is remembered of a move
+/// (`engine/axis.rs`).
+const LONGEST_PERIOD: f64 = 5.0;
 /// Range of an encoder's step, deg.
 const COARSEST: [f64; 2] = [0.0, 60.0];
 /// Highest value of a limit, in degrees and seconds.
@@ -29,6 +32,8 @@ pub struct JointConfig {
     pub index: usize,
     /// Lowest and highest target, rad.
     pub range: [f64; 2],
+    /// Whether that is only a turn either way, because none was given for this robot.
+    pub range_assumed: bool,
     /// Limits of the command.
     pub limits: Limits,
     /// Following error that is a fault, rad.
@@ -56,8 +61,14 @@ pub struct JointConfig {
 }
 
 impl JointConfig {
-    /// Logs the limits in force, with a warning if they are those of another robot.
+    /// Logs range and limits in force, with a warning if nothing was said of them for this robot.
     pub fn warn_of_limits(&self) {
+        if self.range_assumed {
+            tracing::warn!(
+                joint = self.name,
+                "nothing says where this joint may go: it may go a turn either way. Give range_deg"
+            );
+        }
         if self.limits_assumed {
             tracing::warn!(
                 joint = self.name,
@@ -67,10 +78,11 @@ impl JointConfig {
         }
         tracing::info!(
             joint = self.name,
+            range_rad = ?self.range,
             velocity_rad_s = self.limits.velocity,
             acceleration_rad_s2 = self.limits.acceleration,
             jerk_rad_s3 = self.limits.jerk,
-            "limits in force"
+            "range and limits in force"
         );
     }
 }
@@ -111,6 +123,7 @@ pub(super) fn checked(
         name: keys.name.clone(),
         index,
         range,
+        range_assumed: false,
         limits,
         following_limit: check
             .within(
@@ -184,6 +197,14 @@ fn belief(
     };
     let frequency = keys.frequency_hz.unwrap_or(frequency);
     let damping = keys.damping_ratio.unwrap_or(damping);
+    let slowest = 1.0 / LONGEST_PERIOD;
+    if frequency > 0.0 && frequency < slowest {
+        let expected = format!(
+            "at least {slowest} Hz: a train of four periods takes {} s then",
+            4.0 * LONGEST_PERIOD
+        );
+        return Err(check.refuse(&format!("{at}.frequency_hz"), frequency, expected));
+    }
     Mode::from_hertz(frequency, damping).map_err(|error| {
         let (key, value, expected) = match error {
             ModeError::NaturalFrequency(_) => ("frequency_hz", frequency, "finite and above 0"),

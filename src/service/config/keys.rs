@@ -180,7 +180,8 @@ pub struct JointKeys {
     pub name: String,
     /// The joint of the description, counted from 1; the one that it moves where absent.
     pub number: Option<usize>,
-    /// Lowest and highest position that a move may have as its target, deg.
+    /// Lowest and highest position of the joint, deg: no command leaves them. Where absent -360 and 360, with a warning for
+    /// a robot that is not simulated.
     pub range_deg: Option<[f64; 2]>,
     /// Limit of the velocity, deg/s; the description's where absent.
     pub velocity_deg_s: Option<f64>,

@@ -314,6 +314,7 @@ fn joints(
             return Err(check.refuse(&format!("{at}.name"), &joint.name, "unlike every other"));
         }
         let mut checked = joint::checked(joint, &at, description, check)?;
+        checked.range_assumed = robot != RobotKind::Embedded && joint.range_deg.is_none();
         if !describes {
             checked.arc = None;
             let limits = [

@@ -31,9 +31,7 @@ pub enum ServiceError {
         shaper: String,
     },
     /// A plan that would leave the joint's range.
-    #[error(
-        "{joint} cannot do that from its motion: it would come to {position} rad, beyond its range"
-    )]
+    #[error("{joint} cannot do that: it would come to {:.2} deg, beyond its range", .position.to_degrees())]
     LeavesRange {
         /// The joint.
         joint: String,
@@ -42,7 +40,8 @@ pub enum ServiceError {
     },
     /// A jog toward an end of the range at which the joint is, or beyond.
     #[error(
-        "{joint} has no room in that direction: it is at {position} rad, its range ends at {end} rad"
+        "{joint} has no room in that direction: it is at {:.2} deg, and its range ends at {:.2} deg",
+        .position.to_degrees(), .end.to_degrees()
     )]
     NoRoom {
         /// The joint.
@@ -65,6 +64,9 @@ pub enum ServiceError {
     /// The request changes nothing at all.
     #[error("the request names nothing to change")]
     Nothing,
+    /// A move of several joints that names none.
+    #[error("the move names no joint")]
+    NoJoints,
     /// The move cannot be planned, or not within the limits.
     #[error("the move cannot be planned: {reason}")]
     Plan {
@@ -210,6 +212,7 @@ impl ServiceError {
             | Self::NegativeShaper { .. }
             | Self::Value { .. }
             | Self::Nothing
+            | Self::NoJoints
             | Self::Twice { .. }
             | Self::Plan { .. }
             | Self::Train { .. }

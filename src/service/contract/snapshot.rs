@@ -72,6 +72,8 @@ pub struct JointSnapshot {
     pub limits: [f64; 3],
     /// Whether any of them is only that of the embedded arm, nothing having been said of this robot's.
     pub limits_assumed: bool,
+    /// Whether the range is only a turn either way, nothing having been said of this robot's.
+    pub range_assumed: bool,
     /// Whether a sensor of the tip speaks whose frame is not known yet: the first moves tell it.
     pub awaits_registration: bool,
     /// Whether plans are shaped.

@@ -36,8 +36,8 @@ impl Engine {
         let most = joint.config.limits.velocity;
         if !(-most..=most).contains(&velocity) {
             return Err(ServiceError::Value {
-                what: "the velocity in rad/s",
-                value: velocity,
+                what: "the velocity in deg/s",
+                value: velocity.to_degrees(),
                 rule: "within the joint's limit",
             });
         }

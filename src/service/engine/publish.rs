@@ -69,6 +69,7 @@ impl Engine {
             range_rad: joint.config.range,
             limits: [limits.velocity, limits.acceleration, limits.jerk],
             limits_assumed: joint.config.limits_assumed,
+            range_assumed: joint.config.range_assumed,
             awaits_registration: joint
                 .registrar
                 .as_ref()

@@ -3,7 +3,7 @@
 use quell_shapers::{Mode, Shaper, UncertainMode, shaper_by_name};
 
 use super::Engine;
-use super::axis::train;
+use super::axis::{longest_train, train};
 use super::joint::What;
 use super::together::Form;
 use crate::service::contract::{Accepted, Envelope, Request, ServiceError, ShapingChange, Target};
@@ -13,6 +13,8 @@ use crate::tolerance::Tolerance;
 
 /// Largest payload of the embedded arm, kg: twice that of its class, 60 kg.
 const HEAVIEST: f64 = 120.0;
+/// Largest payload of another robot, kg: more than the gantries of shipyards lift.
+const HEAVIEST_OF_ANY: f64 = 1e7;
 
 /// Joints and targets in rad, and the rule for this move alone.
 type CheckedTogether =
@@ -134,8 +136,8 @@ impl Engine {
         let [low, high] = joint.config.range;
         if !(low..=high).contains(&target) {
             return Err(ServiceError::Value {
-                what: "the target in rad",
-                value: target,
+                what: "the target in deg",
+                value: target.to_degrees(),
                 rule: "within the joint's range",
             });
         }
@@ -197,7 +199,7 @@ impl Engine {
             members.push((index, *target));
         }
         match members.is_empty() {
-            true => Err(ServiceError::Nothing),
+            true => Err(ServiceError::NoJoints),
             false => Ok((members, shaper.map(shaper_named).transpose()?)),
         }
     }
@@ -255,7 +257,7 @@ impl Engine {
         let designed = designed.map_err(|error| ServiceError::Train {
             reason: error.to_string(),
         })?;
-        let longest = 4.0 * joint.config.belief.damped_period();
+        let longest = longest_train(&joint.config);
         if designed.duration() > longest {
             return Err(ServiceError::Value {
                 what: "the length of the train in s",
@@ -293,7 +295,7 @@ impl Engine {
     fn change_payload(&mut self, mass: f64) -> Result<Accepted, ServiceError> {
         let (most, rule) = match self.arm {
             Some(_) => (HEAVIEST, "from 0 to 120"),
-            None => (f64::MAX, "0 or more"),
+            None => (HEAVIEST_OF_ANY, "from 0 to 10000000"),
         };
         if !(0.0..=most).contains(&mass) {
             return Err(ServiceError::Value {
