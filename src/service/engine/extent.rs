@@ -3,21 +3,20 @@
 use quell_trajectories::SampledTrajectory;
 
 use super::joint::Joint;
-use super::planning::Planned;
 use super::running::ROUNDING;
 use crate::service::between::inexact;
 use crate::service::contract::ServiceError;
 
-/// The plan itself, if it stays within the joint's range, or between it and where the joint is. The command does
-/// then: it is a mean of what was planned.
-pub fn check_range(joint: &Joint, planned: Planned) -> Result<Planned, ServiceError> {
-    let inexact = inexact(joint.config.limits, planned.samples.period());
+/// Checks that a plan stays within the joint's range, or between it and where the joint is. The command does then:
+/// it is a mean of what was planned.
+pub fn check_range(joint: &Joint, plan: &SampledTrajectory) -> Result<(), ServiceError> {
+    let inexact = inexact(joint.config.limits, plan.period());
     let [low, high] = joint.config.range;
     let range = [low - inexact, high + inexact];
-    if stays(&planned.samples, range) {
-        return Ok(planned);
+    if stays(plan, range) {
+        return Ok(());
     }
-    let [lowest, highest] = extent(planned.samples.positions(0));
+    let [lowest, highest] = extent(plan.positions(0));
     Err(ServiceError::LeavesRange {
         joint: joint.config.name.clone(),
         position: match range[0] - lowest > highest - range[1] {

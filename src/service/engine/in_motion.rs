@@ -12,8 +12,20 @@ use quell_trajectories::{AxisState, Limits, PlanError, Planner, SampledTrajector
 
 use super::extent::{extent, stays};
 use super::joint::What;
-use super::planning::Moment;
 use super::running::{ROUNDING, Running};
+
+/// Start and effort of a plan in motion.
+#[derive(Clone, Copy)]
+pub struct Moment {
+    /// The tick at which it begins.
+    pub tick: u64,
+    /// Share of the acceleration and jerk limits that it uses.
+    pub effort: f64,
+    /// Limits of the joint.
+    pub own: Limits,
+    /// Those of the feed.
+    pub fed: Limits,
+}
 
 /// A plan for a joint in motion that begins at the moment `at`. `range` is where its targets may be, rad.
 pub fn in_motion(

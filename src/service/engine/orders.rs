@@ -6,10 +6,11 @@
 use super::Engine;
 use super::cruise::Cruise;
 use super::extent::check_range;
+use super::in_motion::Moment;
 use super::joint::{Asked, Ordered, Reply, What, Withdrawn, name_of};
 use super::learned::WITHIN;
 use super::pacing::Pacing;
-use super::planning::{Moment, Planned, plan};
+use super::planning::{Planned, plan};
 use super::running::Running;
 use crate::controller::LoadError;
 use crate::recording::to_resolution;
@@ -169,7 +170,7 @@ impl Engine {
         match what {
             // It goes no further than the move that it stops.
             What::Stop => Ok(planned),
-            What::Move { .. } => check_range(joint, planned),
+            What::Move { .. } => check_range(joint, &planned.samples).map(|()| planned),
         }
     }
 

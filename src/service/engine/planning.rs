@@ -4,7 +4,7 @@ use quell_shapers::{Shaper, shaper_by_name};
 use quell_trajectories::{Limits, Planner, SampledTrajectory};
 
 use super::axis::train;
-use super::in_motion::in_motion;
+use super::in_motion::{Moment, in_motion};
 use super::joint::{Joint, What};
 use super::running::ROUNDING;
 use crate::controller::plan_shaped;
@@ -21,19 +21,6 @@ pub struct Planned {
     pub speed: f64,
     /// The rule of its train.
     pub shaper: Option<&'static dyn Shaper>,
-}
-
-/// Start and effort of a plan in motion.
-#[derive(Clone, Copy)]
-pub struct Moment {
-    /// The tick at which it begins.
-    pub tick: u64,
-    /// Share of the acceleration and jerk limits that it uses.
-    pub effort: f64,
-    /// Limits of the joint.
-    pub own: Limits,
-    /// Those of the feed.
-    pub fed: Limits,
 }
 
 /// Plans for a joint; in motion the plan begins at the moment `at`.

@@ -176,7 +176,8 @@ impl Engine {
             .collect::<Result<_, _>>()?;
         let whole = alone.iter().map(Alone::duration).fold(0.0, f64::max);
         let stretched = group.members.iter().zip(alone).map(|(&(index, _), alone)| {
-            check_range(&self.joints[index], self.stretched(alone, whole)?)
+            let planned = self.stretched(alone, whole)?;
+            check_range(&self.joints[index], &planned.samples).map(|()| planned)
         });
         Ok((stretched.collect::<Result<_, _>>()?, whole))
     }

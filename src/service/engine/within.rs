@@ -134,13 +134,13 @@ impl Engine {
         let planned = members.iter().zip(motion).map(|(&(index, _), samples)| {
             self.check_free(index)?;
             let train = standing_train(&self.joints[index], None, self.config.period)?;
-            let planned = Planned {
+            check_range(&self.joints[index], samples)?;
+            Ok(Planned {
                 samples: samples.clone(),
                 start: Start::Rest(Box::new(train)),
                 speed: 1.0,
                 shaper: None,
-            };
-            check_range(&self.joints[index], planned)
+            })
         });
         let planned = planned.collect::<Result<Vec<_>, _>>()?;
         let ticks = motion.iter().map(|plan| plan.samples().saturating_sub(1));
