@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 use quell::service::between::inexact;
 use quell::service::contract::{Request, ServiceError, ShapingChange};
+use quell_shapers::Setpoint;
 use quell_trajectories::Limits;
 
 use super::modes::{go, rest_of, two, world};
@@ -167,13 +168,38 @@ fn a_turn_at_a_low_feed_brakes_with_the_whole_limits() {
     assert!(sent.iter().all(|(_, sent)| sent.position < most), "{most}");
     let last = sent.last().expect("setpoints").1;
     assert!((last.velocity + 0.1 * velocity).abs() < 1e-9, "{last:?}");
-    // The feed is followed later, too.
+    // The feed is followed later, too, though the plan brakes with the whole limits.
     feed(&mut world, 100.0);
     world.steps(100);
     let last = world.last().expect("setpoints").1;
     assert!((last.velocity + velocity).abs() < 1e-9, "{last:?}");
     world.steps(600);
     assert_eq!(world.last().map(|(_, sent)| sent.position), Some(-1.0));
+}
+
+/// So near that only the whole limits stop there from the feed's speed: it crawls, and goes on when the feed rises.
+#[test]
+fn a_turn_at_a_low_feed_follows_the_feed_when_it_rises() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = World::commanded(config(data.path()), true);
+    shaped_by(&mut world, None);
+    world.go(-0.67);
+    world.steps(40);
+    feed(&mut world, 1.0);
+    world.steps(14);
+    world.go(-0.5);
+    world.steps(60);
+    let crawls = world.last().expect("setpoints").1;
+    feed(&mut world, 51.0);
+    world.steps(150);
+    let last = world.last().expect("setpoints").1;
+    assert!(
+        crawls.position > -0.5 && last == Setpoint::at_rest(-0.5),
+        "{crawls:?} {last:?}"
+    );
+    for pair in world.sent().windows(2) {
+        assert_eq!(beyond_limits(pair[0], pair[1], true), None);
+    }
 }
 
 /// Stopped early in a move, a train of negative impulses went beyond the target and the limits.

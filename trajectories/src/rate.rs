@@ -116,7 +116,8 @@ impl SampledTrajectory {
 
     /// The rest of the move along a ramp, from its beginning to the first sample that is not before the end.
     /// `None` if it would stop on the way, last longer than [`crate::MAX_SAMPLES`], or exceed `limits`, one for
-    /// each axis, in velocity, acceleration, or mean jerk from sample to sample. Allocates.
+    /// each axis, in velocity, acceleration, or means of both and of the jerk from sample to sample: at a higher
+    /// rate the move may brake between two of them. Allocates.
     pub fn at_rate(&self, ramp: &RateRamp, limits: &[Limits]) -> Option<Self> {
         let (period, end) = (self.period(), self.duration());
         let mut axes = vec![Vec::new(); self.degrees_of_freedom()];
@@ -159,9 +160,12 @@ impl SampledTrajectory {
 }
 
 fn keeps(before: &AxisState, now: &AxisState, limits: &Limits, period: f64) -> bool {
-    let jerk = (now.acceleration - before.acceleration) / period;
+    let slope = |from: f64, to: f64| (to - from) / period;
+    let jerk = slope(before.acceleration, now.acceleration);
     let within = |value: f64, most: f64| value.abs() <= most * (1.0 + ROUNDING);
     within(now.velocity, limits.velocity)
         && within(now.acceleration, limits.acceleration)
+        && within(slope(before.position, now.position), limits.velocity)
+        && within(slope(before.velocity, now.velocity), limits.acceleration)
         && within(jerk, limits.jerk)
 }

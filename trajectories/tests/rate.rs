@@ -129,3 +129,36 @@ fn it_slows_where_the_limits_let_it() {
     assert_eq!(now.acceleration, -10.0);
     assert_eq!(change(&base, at(braking), 0.2).map(|found| found.0), None);
 }
+
+/// A slow move that brakes with the whole limits does so within a period, or less, of one that is sped up.
+#[test]
+fn a_move_that_would_brake_between_two_samples_is_not_sped_up() {
+    let planner = Planner::new(1).expect("an axis");
+    let limits = LIMITS[0];
+    for share in [0.2, 0.05, 0.01, 0.003] {
+        let slow = Limits {
+            velocity: share * limits.velocity,
+            ..limits
+        };
+        let ends = [0.0, 0.3].map(AxisState::at_rest);
+        let plan = planner.plan(&ends[..1], &ends[1..], &[slow]);
+        let base = plan.expect("a plan").sample(PERIOD).expect("samples");
+        let from = Progress {
+            time: 0.5 * base.duration(),
+            rate: 1.0,
+            slope: 0.0,
+        };
+        for ramp in base.rate_ramps(from, 1.0 / share) {
+            let Some(rest) = base.at_rate(&ramp, &[limits]) else {
+                continue;
+            };
+            for pair in rest.velocities(0).windows(2) {
+                let mean = (pair[1] - pair[0]) / PERIOD;
+                assert!(
+                    mean.abs() <= limits.acceleration * (1.0 + 1e-6),
+                    "{share} {mean}"
+                );
+            }
+        }
+    }
+}

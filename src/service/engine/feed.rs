@@ -4,13 +4,15 @@
 //! change of the rate that keeps the limits. The train acts on that motion in its own, unchanged time, so that
 //! it still cancels the same vibration. Joints that began with the same tick change with the same tick, and
 //! still end with the same tick. If the limits do not allow a change yet, for example while a move brakes at
-//! its limit, it is tried again.
+//! its limit, it is tried again. A move that began in motion is planned again.
 
 use quell_trajectories::{Limits, RateRamp, SampledTrajectory};
 
 use super::Engine;
+use super::in_motion::{Moment, in_motion};
+use super::joint::What;
 use super::orders::AHEAD;
-use super::pacing::Change;
+use super::pacing::{Change, Pacing};
 use super::running::Running;
 use crate::service::contract::{Accepted, ServiceError};
 use crate::service::tick::{NotTaken, Plan, Start, Taken, ToTick, Together};
@@ -96,6 +98,11 @@ impl Engine {
     /// limits do not allow the change yet.
     fn changes(&self, indices: &[usize]) -> Option<(u64, Vec<(usize, Change)>)> {
         let tick = self.next_tick() + (AHEAD / self.config.period).ceil() as u64;
+        if let [index] = *indices
+            && self.runs_at_another_feed(index)?.turned
+        {
+            return Some((tick, vec![(index, self.anew(index, tick)?)]));
+        }
         let goes_on = |index: &&usize| {
             let running = self.joints[**index].running.as_ref();
             running.is_some_and(|running| running.goes_on(tick))
@@ -112,15 +119,55 @@ impl Engine {
         let mut ramps = longest.running.pacing.base.rate_ramps(from, longest.rate);
         let found = ramps.find_map(|ramp| with_ramp(&members, ramp.duration))?;
         let changes = members.iter().zip(found).map(|(member, (ramp, rest))| {
-            let change = Change {
-                ticket: 0,
+            let before = &member.running.pacing;
+            let pacing = Pacing {
                 feed: self.feed,
                 ramp,
-                rest,
+                made_at: before.made_at,
+                ..Pacing::new(before.base.clone(), self.feed)
             };
-            (member.index, change)
+            let ticket = 0;
+            (
+                member.index,
+                Change {
+                    ticket,
+                    pacing,
+                    rest,
+                },
+            )
         });
         Some((tick, changes.collect()))
+    }
+
+    /// The rest of a move that began in motion, planned again for the present feed: its plan may brake with the whole
+    /// limits, and at a higher rate it would exceed them.
+    fn anew(&self, index: usize, tick: u64) -> Option<Change> {
+        let running = self.runs_at_another_feed(index)?;
+        let config = &self.joints[index].config;
+        let at = Moment {
+            tick,
+            effort: 1.0,
+            own: config.limits,
+            fed: self.fed(config.limits, running.speed),
+        };
+        let what = What::Move {
+            target: running.target(),
+            shaper: None,
+            speed: running.speed,
+            within: false,
+        };
+        let planner = (&self.planner, self.config.period);
+        let rest = running
+            .goes_on(tick)
+            .then(|| in_motion(running, what, planner, config.range, at));
+        let rest = rest?.ok()?;
+        let pacing = Pacing::new(rest.clone(), self.feed);
+        let ticket = 0;
+        Some(Change {
+            ticket,
+            pacing,
+            rest,
+        })
     }
 
     fn paced(&self, index: usize, tick: u64) -> Option<Member<'_>> {
@@ -183,9 +230,10 @@ impl Engine {
         }
         running.go_on(&change.rest, (taken.tick, taken.first));
         running.ticket = ticket;
-        let pacing = &mut running.pacing;
-        (pacing.feed, pacing.ramp) = (change.feed, change.ramp);
-        pacing.since = running.first - taken.first;
+        running.pacing = Pacing {
+            since: running.first - taken.first,
+            ..change.pacing
+        };
         true
     }
 

@@ -396,6 +396,11 @@ impl Engine {
             tick: taken.tick,
             first: taken.first,
             pacing: Pacing::new(asked.samples.clone(), asked.feed),
+            speed: match asked.what {
+                What::Move { speed, .. } => speed,
+                What::Stop => f64::INFINITY,
+            },
+            turned: matches!(taken.plan.start, Start::Tick(_)),
             together: asked.together.map(|together| together.id),
             shaped: asked.shaper.is_some(),
             adaptive: joint.adaptation && asked.shaper.is_some(),

@@ -44,10 +44,8 @@ impl Pacing {
 pub struct Change {
     /// Number of the plan that contains it.
     pub ticket: u64,
-    /// The feed.
-    pub feed: f64,
-    /// The course of the rate.
-    pub ramp: RateRamp,
+    /// The rate from then on.
+    pub pacing: Pacing,
     /// The rest of the plan.
     pub rest: SampledTrajectory,
 }

@@ -36,6 +36,10 @@ pub struct Running {
     pub first: usize,
     /// The rate of its plan.
     pub pacing: Pacing,
+    /// Largest speed that was asked for, rad/s; infinite where only the limits bound it.
+    pub speed: f64,
+    /// Whether it began in motion.
+    pub turned: bool,
     /// Number of the move of several joints that it is part of.
     pub together: Option<u64>,
     /// Whether a train other than the identity was in force.
