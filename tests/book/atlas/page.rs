@@ -17,15 +17,9 @@ const ALIKE: f64 = 0.5;
 /// The page in Markdown.
 pub fn page(own: &Entry, entries: &[Entry]) -> String {
     let effect = own.term.effect;
-    let noticed = match own.symptoms.as_slice() {
-        [] => String::new(),
-        some => format!(
-            "Who watches the machine notices: it {}.\n\n",
-            some.join("; it ").replace("it frequency", "its frequency")
-        ),
-    };
+    let noticed: Vec<String> = own.symptoms.iter().map(|own| clause(own)).collect();
     format!(
-        "# {}\n\n`{}`, at: {}.\n\n{}\n\n{noticed}![Fingerprint of {}]({}.svg)\n\n*{}, at the typical size. Left: what the sensor shows \
+        "# {}\n\n`{}`, at: {}.\n\n{}\n\nWho watches the machine notices: {}.\n\n![Fingerprint of {}]({}.svg)\n\n*{}, at the typical size. Left: what the sensor shows \
          with the effect minus what the refitted model predicts, over the first two moves. {}*\n\n\
          ## What sees it\n\n{}## What it is mistaken for\n\n{}## What to do\n\n{}\n\n## In `model.toml`\n\n```toml,model\n{}```\n\n\
          ## In MuJoCo\n\n{}\n",
@@ -33,6 +27,7 @@ pub fn page(own: &Entry, entries: &[Entry]) -> String {
         effect.name,
         codes(effect.places.iter().map(|place| place.name())),
         effect.physics,
+        noticed.join("; "),
         effect.title,
         effect.name,
         capital(own.arm.name),
@@ -43,6 +38,13 @@ pub fn page(own: &Entry, entries: &[Entry]) -> String {
         written(own),
         in_mujoco(own),
     )
+}
+
+/// A symptom with its subject: the machine, or something of it.
+fn clause(symptom: &str) -> String {
+    const OWNED: [&str; 4] = ["frequency", "error", "reading", "vibration"];
+    let owned = OWNED.iter().any(|own| symptom.starts_with(own));
+    format!("{} {symptom}", if owned { "its" } else { "it" })
 }
 
 /// The elements of MuJoCo that hold it, or what to do.

@@ -1,6 +1,7 @@
 //! What somebody notices of an effect who only watches the machine.
 
 use super::arm::{Arm, MOVES, stamps};
+use super::told::{TOLD, told};
 use nalgebra::DVector;
 use quell::effects::Place;
 use quell::model::Term;
@@ -16,20 +17,41 @@ const HALF: f64 = 0.5;
 /// Swings over the first one that are still looked at.
 const LEAST: f64 = 0.1;
 
-/// What there is to be noticed.
-pub const SYMPTOMS: [&str; 8] = [
+/// What the standard motion and the [physics](TOLD) of an effect show.
+pub const SHIFTED: &str = "comes late or early";
+pub const OVER_AMPLITUDE: &str = "frequency changes with amplitude";
+pub const OVER_TIME: &str = "frequency changes with pose or over time";
+
+/// What can be noticed in the standard motion.
+const SYMPTOMS: [&str; 8] = [
     "stops off target",
-    "comes late or early",
+    SHIFTED,
     "rings longer than it should",
     "rings shorter than it should",
     "rings slower than it should",
     "rings faster than it should",
-    "frequency changes with amplitude",
-    "frequency changes with pose or over time",
+    OVER_AMPLITUDE,
+    OVER_TIME,
 ];
 
-/// Which of the [`SYMPTOMS`] an effect has.
+/// All symptoms, each once.
+pub fn all() -> impl Iterator<Item = &'static str> {
+    let told = TOLD.iter().map(|own| own.0);
+    SYMPTOMS
+        .into_iter()
+        .chain(told.filter(|own| !SYMPTOMS.contains(own)))
+}
+
+/// The symptoms of an effect: what the standard motion shows, and what its physics tells.
 pub fn symptoms(arm: &Arm, term: &Term) -> Vec<&'static str> {
+    let (shown, told): (_, Vec<_>) = (shown(arm, term), told(term.effect.name).collect());
+    all()
+        .filter(|own| shown.contains(own) || told.contains(own))
+        .collect()
+}
+
+/// Which of the [`SYMPTOMS`] the standard motion shows.
+fn shown(arm: &Arm, term: &Term) -> Vec<&'static str> {
     let keys = arm.model.keys();
     let with = arm.shown(0, &keys, std::slice::from_ref(term));
     let plain = arm.shown(0, &keys, &[]);
