@@ -1,4 +1,4 @@
-"""The book's chapter and the README of the package: every block of Python runs, in order."""
+"""The book's chapter, and the README of project and package: every block of Python runs, in order."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import scipy.io
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.mark.parametrize("page", ["docs/src/guide/python.md", "python/README.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/src/guide/python.md", "python/README.md"])
 def test_every_block_runs(
     page: str,
     recording: quell.Recording,

@@ -48,9 +48,9 @@ fn library() -> PathBuf {
     target.join("bare/libquell_shapers_c.a")
 }
 
-fn example() -> String {
-    let library = library();
-    let program = library.with_file_name("shape");
+/// What the example of this name prints.
+fn example(name: &str, library: &Path) -> String {
+    let program = library.with_file_name(name);
     // No fused multiplication and addition, so that the plan is the same number in both languages.
     run(Command::new("cc")
         .args([
@@ -64,8 +64,8 @@ fn example() -> String {
         ])
         .arg("-I")
         .arg(folder().join("include"))
-        .arg(folder().join("examples/shape.c"))
-        .arg(&library)
+        .arg(folder().join(format!("examples/{name}.c")))
+        .arg(library)
         .arg("-lm")
         .arg("-o")
         .arg(&program));
@@ -115,7 +115,8 @@ fn retune(filter: &mut AdaptiveFilter) {
 
 #[test]
 fn the_example_in_c_gives_what_rust_gives() {
-    let printed = example();
+    let library = library();
+    let printed = example("shape", &library);
     let line = |word: &str| printed.lines().find(|line| line.starts_with(word)).unwrap();
     let train = |word: &str| {
         let taps = numbers(line(word));
@@ -162,4 +163,12 @@ fn the_example_in_c_gives_what_rust_gives() {
     assert!(shaped < 1e-9 * unshaped && settled == 1.0, "{left:?}");
     // QUELL_NULL, QUELL_UNKNOWN_SHAPER, QUELL_MEMORY, QUELL_ALIGNMENT.
     assert_eq!(numbers(line("refused")), [1.0, 5.0, 3.0, 2.0]);
+
+    // The short one steps to 1 over the length of the train.
+    let steps: Vec<f64> = example("step", &library)
+        .lines()
+        .flat_map(numbers)
+        .collect();
+    assert_eq!((steps.len(), steps.last()), (40, Some(&1.0)));
+    assert!(steps[0] < 1.0 && steps.is_sorted(), "{steps:?}");
 }
