@@ -69,3 +69,32 @@ fn no_two_shapers_share_a_colour() {
         "{colours:?}"
     );
 }
+
+/// The picture of a train on a telephone: ten taps at 250 Hz, four of which stand within 12 ms.
+#[test]
+fn no_two_numbers_of_a_train_overlap() {
+    let script = include_str!("../crates/page/assets/placed.js");
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    let checks = "const dots = [[0, 96, .18], [74, 64, .231], [79, 93, .185], [148, 149, .0991], [153, 110, .159],
+        [158, 171, .0635], [222, 204, .0141], [227, 191, .034], [232, 195, .0272], [237, 208, .00726]]
+        .map(([x, y, value]) => ({ x, y, value, words: String(value), half: 4 * String(value).length }));
+      const found = placed(dots, 212, { left: -10, right: 280 }, 1);
+      const box = (w) => [w.at[0] - w.half, w.at[0] + w.half, w.at[1] - 6, w.at[1] + 6];
+      const over = (a, b) => a[0] < b[1] && b[0] < a[1] && a[2] < b[3] && b[2] < a[3];
+      const boxes = found.map(box), stems = dots.map((d) => [d.x - 1, d.x + 1, d.y, 212]);
+      const clashes = boxes.flatMap((a, i) => [...boxes.slice(i + 1), ...stems].filter((b) => over(a, b)));
+      document.body.append(`placed ${found.length}, clashes ${clashes.length}`);";
+    let page = format!("<body></body><script>{script}</script><script>{checks}</script>");
+    std::fs::write(out.join("placed.html"), page).unwrap();
+    let Some(drawn) = drawn(folder.path(), "placed.html") else {
+        return;
+    };
+    let told = drawn.split("placed ").last().unwrap_or_default();
+    let (count, rest) = told.split_once(", clashes ").expect(&drawn);
+    assert!(
+        count.parse::<usize>().unwrap() >= 8 && rest.starts_with('0'),
+        "{told}"
+    );
+}

@@ -185,7 +185,7 @@
       ctx.stroke();
       ctx.font = `${12 * px}px ${family()}`;
       ctx.textAlign = "center";
-      const numbered = chart.series.length === 1 && chart.series[0].x.length <= 12, written = [];
+      const numbered = chart.series.length === 1 && chart.series[0].x.length <= 12, dots = [];
       shown.forEach(([s, k], place) => {
         const shift = (place - (shown.length - 1) / 2) * 8 * px;
         ctx.strokeStyle = ctx.fillStyle = stroke(s);
@@ -201,17 +201,13 @@
           ctx.beginPath();
           ctx.arc(x, y, 4.5 * px, 0, 2 * Math.PI);
           ctx.fill();
-          if (!numbered) return;
-          // Above its dot, or higher where another number stands.
-          const words = tidy(s.y[i], 3), half = ctx.measureText(words).width / 2 + 3 * px, down = s.y[i] < 0 ? 1 : -1;
-          let middle = y + 14 * down * px;
-          const hit = () => written.some((w) => Math.abs(w.x - x) < w.half + half && Math.abs(w.middle - middle) < 14 * px);
-          while (hit()) middle += 14 * down * px;
-          written.push({ x, half, middle });
-          ctx.textBaseline = "middle";
-          ctx.fillText(words, x, middle);
+          const words = tidy(s.y[i], 3);
+          dots.push({ x, y, words, value: s.y[i], half: ctx.measureText(words).width / 2 });
         });
       });
+      ctx.textBaseline = "middle";
+      const edges = { left: bbox.left, right: ctx.canvas.width };
+      if (numbered) for (const { words, at } of placed(dots, zero, edges, px)) ctx.fillText(words, ...at);
       ctx.restore();
     };
   }

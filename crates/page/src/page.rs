@@ -14,6 +14,7 @@ pub const UPLOT_SCRIPT: &str = include_str!("../assets/uplot-1.6.32/uPlot.iife.m
 pub const UPLOT_STYLE: &str = include_str!("../assets/uplot-1.6.32/uPlot.min.css");
 const UPLOT_LICENCE: &str = include_str!("../assets/uplot-1.6.32/LICENSE");
 const SCRIPT: &str = include_str!("../assets/report.js");
+const PLACED: &str = include_str!("../assets/placed.js");
 const FRAME: &str = include_str!("../assets/frame.js");
 /// The style sheet of every page.
 pub const STYLE: &str = include_str!("../assets/report.css");
@@ -294,7 +295,7 @@ impl Page {
                 }
                 (PreEscaped(licence))
                 script { (PreEscaped(UPLOT_SCRIPT)) }
-                script { (PreEscaped(SCRIPT)) }
+                script { (PreEscaped(PLACED)) (PreEscaped(SCRIPT)) }
             }
         }
     }

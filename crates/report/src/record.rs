@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::motion::residual;
-use super::score::score_line;
+use super::score::score_beside;
 use super::shown::{Shown, rms};
 use quell_diagnosis::Scored;
 use quell_page::{Page, Table};
@@ -75,12 +75,16 @@ fn scores(case: &Case) -> Table {
         );
     let fold = |table: Table, own: &Scored| {
         let name = || own.recording.clone().into();
-        let table = table.row([name(), "refitted".into(), score_line(&own.before).into()]);
+        let table = table.row([
+            name(),
+            "refitted".into(),
+            score_beside(&own.before, case).into(),
+        ]);
         match case.has_after() {
             true => table.row([
                 name(),
                 "with the findings".into(),
-                score_line(&own.after).into(),
+                score_beside(&own.after, case).into(),
             ]),
             false => table,
         }

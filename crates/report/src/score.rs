@@ -1,5 +1,6 @@
 //! A score in words, the same everywhere.
 
+use super::case::Case;
 use super::head::times;
 use super::shown::Shown;
 use quell_diagnosis::Score;
@@ -8,7 +9,18 @@ use quell_page::fixed;
 /// One line: error in the unit of the recording and relative to the noise, the explained share of the
 /// recording, and how it was fitted if not to the whole in one piece.
 pub fn score_line(score: &Score) -> String {
-    let shown = Shown::from(score.shown());
+    line_in(score, &Shown::from(score.shown()))
+}
+
+/// The same beside other misfits: in the unit in which they are told.
+pub fn score_beside(score: &Score, case: &Case) -> String {
+    match score.unit == case.diagnosis.fit.unit {
+        true => line_in(score, &case.misfit_unit()),
+        false => score_line(score),
+    }
+}
+
+fn line_in(score: &Score, shown: &Shown) -> String {
     let unit = &shown.unit;
     let [rms, noise] = [score.rms, score.noise_std].map(|value| shown.number(value));
     let how = match (score.first, score.windows) {

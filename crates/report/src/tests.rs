@@ -2,7 +2,7 @@
 
 use super::law::lines;
 use super::{Case, page_of, text};
-use quell_diagnosis::{Diagnosis, Finding, Traces};
+use quell_diagnosis::{Diagnosis, Finding, Scored, Traces};
 
 /// A learned spring that was visited to 2 mrad in both directions, with a nearest law that leaves its band in these
 /// ranges.
@@ -136,4 +136,29 @@ fn the_text_marks_what_is_uncertain_and_says_how_likely_each_is() {
         line("cubic stiffness").is_some_and(|line| line.ends_with("< 1 %")),
         "{words}"
     );
+}
+
+#[test]
+fn all_misfits_of_a_text_are_in_one_unit() {
+    let score = |rms: f64| {
+        serde_json::json!({
+            "rms": rms, "unit": "rad", "noise_std": 1e-5, "rms_over_noise": 1e5 * rms, "fit_percent": 99.0,
+            "samples": 100, "motion": 1e-3, "windows": 1, "first": null
+        })
+    };
+    let scored = serde_json::json!([{
+        "recording": "arm7", "held_out": false, "before": score(9.74e-5), "after": score(1.01e-5)
+    }]);
+    let scored: Vec<Scored> = serde_json::from_value(scored).unwrap();
+    let [words, page] = with(&finding("[]"), |case| {
+        let mut diagnosis = case.diagnosis.clone();
+        diagnosis.fit.scores = scored.clone();
+        let case = Case::new(&diagnosis, case.traces);
+        [text(&case, &[]), page_of(&case, "model.toml", &[]).render()]
+    });
+    assert!(words.contains("noise: 10 urad"), "{words}");
+    for told in [&words, &page] {
+        assert!(told.contains("rms 97.4 urad, 9.74 times the noise of 10 urad"));
+        assert!(told.contains("rms 10.1 urad, 1.01 times the noise of 10 urad"));
+    }
 }

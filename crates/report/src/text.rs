@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::case::Case;
-use super::score::score_line;
+use super::score::score_beside;
 use super::{findings, happened, head, law, next, words};
 use quell_diagnosis::{Finding, Fit, NextMove, Verdict};
 use quell_page::{columns, number};
@@ -152,7 +152,8 @@ fn fit(case: &Case) -> String {
 /// The line of `quell score` for each recording as a whole.
 fn scores(case: &Case) -> String {
     let line = |name: &str, which: &str, score| {
-        format!("quell score of {name}, {which}: {}\n", score_line(score))
+        let told = score_beside(score, case);
+        format!("quell score of {name}, {which}: {told}\n")
     };
     let all = case.diagnosis.fit.scores.iter().map(|own| {
         let before = line(&own.recording, "the model refitted", &own.before);

@@ -140,5 +140,10 @@ fn train(comparison: &Comparison) -> Option<Chart> {
     let amplitude: Vec<f64> = taps.iter().map(|tap| tap.amplitude).collect();
     let title = format!("Taps of {} on the controller's grid", shaper.title());
     let chart = Chart::stems(title, "time", "s", "amplitude", "");
-    Some(chart.series(shaper.name(), &time, &amplitude))
+    let chart = chart.series(shaper.name(), &time, &amplitude);
+    Some(
+        chart.note(
+            "A number without room is in the legend under the cursor; quell shape prints all.",
+        ),
+    )
 }
