@@ -5,6 +5,7 @@ mod article;
 mod drawing;
 mod elements;
 mod in_mujoco;
+mod least;
 mod mjcf;
 mod mujoco;
 mod page;
@@ -112,10 +113,12 @@ fn index(entries: &[Entry]) -> String {
          ## By symptom\n\nWhat somebody notices who watches the machine or its reading. Of ringing, stops and delays the standard motion \
          decides, at the typical size of the effect; the others follow from its physics.\n\n{}\
          ## By place\n\n{}\
-         ## How small an effect can be seen\n\nEach page tells the misfit `r` of the effect at its typical size `s`, when the \
-         parameters of the model and an offset have been refitted. With noise `n` and `N` samples the \
-         log evidence of a size `a` is about `N (a r / s)^2 / (2 T n^2)`, \
-         `T = 4`, and it must exceed some 10 ([how the diagnosis decides](../theory/evidence.md)). So the least size is about \
+         ## How small an effect can be seen\n\nEach page tells the least size that each sensor sees in the standard motion, \
+         above a white noise that it names: in the unit of `model.toml`. The misfit `r` is that of the effect \
+         when the parameters of the model and an offset have been refitted. With noise `n` and `N` samples its \
+         log evidence is about `N r^2 / (2 T n^2)`, \
+         `T = 4`, and it must exceed some 10 ([how the diagnosis decides](../theory/evidence.md)). With another noise or \
+         another number of samples: the misfit of an effect of size `s` is nearly in proportion to `s`, so that the least size is about \
          `9 s n / (r sqrt N)`.\n\n\
          ## In MuJoCo\n\nEach page says which elements of [MuJoCo](https://mujoco.org) 4.0 hold the effect, or what to do where none does. \
          The elements replace those of the same name in one of two models, or are added. The flexible joint, for a link of 1 kg m^2:\n\n```xml\n{}```\n\n\

@@ -3,6 +3,7 @@
 use super::arm::without;
 use super::drawing::short;
 use super::elements;
+use super::least::{Seen, noise, seen};
 use super::mjcf::Mjcf;
 use super::mujoco::{Form, form};
 use super::{Entry, capital};
@@ -84,20 +85,48 @@ fn sensors(own: &Entry) -> String {
         .iter()
         .enumerate()
         .map(|(index, experiment)| {
-            let seen = own.arm.fingerprint(index, &own.term);
+            let print = own.arm.fingerprint(index, &own.term);
             let rms = |series: &DVector<f64>| series.norm() / (series.len() as f64).sqrt();
             let unit = &experiment.outputs[0].unit;
-            let left = 100.0 * rms(&seen.misfit) / rms(&seen.change).max(f64::MIN_POSITIVE);
+            let name = experiment.outputs[0].channel.name();
+            let left = 100.0 * rms(&print.misfit) / rms(&print.change).max(f64::MIN_POSITIVE);
             [
-                format!("`{}`", experiment.outputs[0].channel.name()),
-                format!("{} {unit}", short(rms(&seen.misfit))),
+                format!("`{name}`, {} {unit}", shorter(noise(name))),
+                format!("{} {unit}", short(rms(&print.misfit))),
                 format!("{left:.0} %"),
+                told(&seen(own.arm, index, &own.term)),
             ]
         });
+    let size = &own.term.effect.parameters[own.term.effect.size()];
+    let sees = format!("sees `{}`", size.name);
     table(
-        ["sensor", "misfit after a refit, rms", "of what it changes"],
+        [
+            "sensor, its noise",
+            "misfit after a refit, rms",
+            "of what it changes",
+            &sees,
+        ],
         rows,
     )
+}
+
+/// Two digits.
+fn shorter(value: f64) -> String {
+    let rounded = format!("{value:.1e}");
+    match (1e-3..1e3).contains(&value.abs()) {
+        true => short(rounded.parse().unwrap_or(value)),
+        false => rounded.replace(".0e", "e"),
+    }
+}
+
+/// Which sizes are seen.
+fn told(seen: &Seen) -> String {
+    match seen {
+        Seen::From(0.0) | Seen::UpTo(f64::INFINITY) => "at any size".into(),
+        Seen::From(f64::INFINITY) | Seen::UpTo(0.0) => "at no size".into(),
+        Seen::From(size) => format!("from {}", shorter(*size)),
+        Seen::UpTo(size) => format!("up to {}", shorter(*size)),
+    }
 }
 
 /// Effects in the same machine that explain most of the misfit.
