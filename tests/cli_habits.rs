@@ -286,7 +286,10 @@ fn a_robot_file_is_refused_with_line_key_and_what_was_meant() {
             ("noise_um = 10.0", "noise_um = \"much\""),
             "arm.toml:32: tracker.noise_um = \"much\": it must be a number",
         ),
-        (("[servo]", "[servo"), "arm.toml:21: "),
+        (
+            ("[servo]", "[servo"),
+            "arm.toml:21:7: [servo: the closing ] is missing",
+        ),
         (
             ("damping_ratio = 0.084", "damping_ratio = 1.5"),
             "joint[1].mode[1].damping_ratio = 1.5: 0 or more, below 1",

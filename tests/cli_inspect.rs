@@ -190,6 +190,11 @@ fn bad_manifests_are_refused_with_line_and_key() {
             &["recording.toml:8: unknown unit \"degs\"", "mean \"deg\""],
         ),
         (
+            "no closing quote",
+            MANIFEST.replace(unit, "unit = \"rad"),
+            &["recording.toml:8:12: unit = \"rad: the closing \" is missing"],
+        ),
+        (
             "unknown key",
             MANIFEST.replace("column =", "colum ="),
             &["recording.toml:7: unknown key \"colum\"", "mean \"column\""],
@@ -207,7 +212,7 @@ fn bad_manifests_are_refused_with_line_and_key() {
         (
             "syntax",
             MANIFEST.replace(unit, "unit = "),
-            &["recording.toml:8: "],
+            &["recording.toml:8:8: unit = : there is no value behind ="],
         ),
         (
             "missing file",

@@ -176,11 +176,11 @@ fn a_configuration_is_refused_with_line_key_and_what_was_meant() {
         ),
         (
             "[[joint]]\nname = \"a\"\ndamping_ratio=.05\n",
-            ":3: damping_ratio = .05: ",
+            ":3:15: damping_ratio = .05: a number has a digit before its point, as 0.5",
         ),
         (
             "[tick]\nrate_hz = 500\nrate_hz = 600\n",
-            ":3: rate_hz = 600: duplicate key",
+            ":3:1: rate_hz = 600: this key stands a second time",
         ),
     ];
     for (text, words) in cases {

@@ -151,7 +151,8 @@ fn what_is_wrong_is_refused_with_file_line_and_key() {
     let spring = |from: &str, list: &str| law("learned_spring", from, list);
     #[rustfmt::skip]
     let cases: &[(String, &[&str])] = &[
-        ("kind = ".into(), &["m.toml:1:"]),
+        ("kind = ".into(), &["m.toml:1:8: kind = : there is no value behind ="]),
+        ("kind = \"oscillator".into(), &["m.toml:1:19: kind = \"oscillator: the closing \" is missing"]),
         (String::new(), &["m.toml:1: kind: is missing"]),
         ("kind = 3".into(), &["m.toml:1: kind: a string is wanted, not a value of type integer"]),
         ("\nkind = \"flexible_joynt\"".into(), &["m.toml:2: kind:", "did you mean \"flexible_joint\"?"]),

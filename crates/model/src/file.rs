@@ -44,12 +44,14 @@ pub enum ModelError {
         source: std::io::Error,
     },
     /// The file is no TOML.
-    #[error("{}:{line}: {reason}", file.display())]
+    #[error("{}:{line}:{column}: {reason}", file.display())]
     Syntax {
         /// The file.
         file: PathBuf,
         /// Line, from 1.
         line: usize,
+        /// Column in it, in characters from 1.
+        column: usize,
         /// The fault.
         reason: String,
     },

@@ -27,6 +27,8 @@ pub struct Place {
     pub file: PathBuf,
     /// Line, counted from 1, where the problem has one.
     pub line: Option<usize>,
+    /// Column of that line, in characters counted from 1, where a manifest is no TOML.
+    pub character: Option<usize>,
     /// Row of a Parquet file, counted from 0, where the problem has one.
     pub row: Option<usize>,
     /// Name of the column of a CSV or Parquet file, where the problem has one.
@@ -276,6 +278,9 @@ impl fmt::Display for Place {
         write!(f, "{}:", self.file.display())?;
         if let Some(line) = self.line {
             write!(f, "{line}:")?;
+        }
+        if let Some(character) = self.character {
+            write!(f, "{character}:")?;
         }
         if let Some(row) = self.row {
             write!(f, " row {row}:")?;

@@ -40,6 +40,7 @@ mod layout;
 mod manifest;
 mod mcap;
 mod memory;
+mod mistakes;
 mod preferred;
 #[cfg(test)]
 mod properties;

@@ -235,7 +235,10 @@ impl Source<'_> {
                 nearest: nearest(text, KEYS.iter().copied()),
             }
         } else {
-            Problem::Toml(SyntaxError::of(self.text, error).reason)
+            let told = SyntaxError::of(self.text, error);
+            let mut error = self.at(span.start, Problem::Toml(told.reason));
+            error.place.character = told.column;
+            return error;
         };
         self.at(span.start, problem)
     }

@@ -1,15 +1,19 @@
 //! Errors of a TOML file in one line: the place, the key and its value, and what it must be.
 
 use super::error::{nearest, shortened};
-use super::toml_keys::{TomlKey, line, toml_keys};
+use super::mistakes::mistake;
+use super::toml_keys::{TomlKey, column, line, toml_keys};
 use std::fmt;
 use std::ops::Range;
+use toml::de::DeTable;
 
 /// A file that is no TOML, or has an unknown or missing key or one of another type.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SyntaxError {
     /// Line, counted from 1; none where the whole file is meant.
     pub line: Option<usize>,
+    /// Column in it, in characters counted from 1, where the file is no TOML.
+    pub column: Option<usize>,
     /// What is wrong there.
     pub reason: String,
 }
@@ -36,24 +40,30 @@ impl SyntaxError {
         let span = error.span();
         let message = error.message().trim().replace('\n', "; ");
         let message = message.replace("missing field", "missing key");
+        let broken = span.as_ref().filter(|_| DeTable::parse(text).is_err());
         let reason = match &span {
+            Some(span) if broken.is_some() => {
+                let what = mistake(text, span, &message);
+                format!("{}: {what}", written(text, span.start))
+            }
             Some(span) if !message.starts_with("missing key") => at(text, span, &message),
             _ => message,
         };
         Self {
-            line: span.map(|span| line(text, span.start)),
+            line: span.as_ref().map(|span| line(text, span.start)),
+            column: broken.map(|span| column(text, span.start)),
             reason,
         }
     }
 }
 
-/// `:line: reason`, to be written behind the name of the file.
+/// `:line:column: reason`, to be written behind the name of the file.
 impl fmt::Display for SyntaxError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.line {
-            Some(line) => write!(f, ":{line}: {}", self.reason),
-            None => write!(f, ": {}", self.reason),
+        for number in self.line.iter().chain(&self.column) {
+            write!(f, ":{number}")?;
         }
+        write!(f, ": {}", self.reason)
     }
 }
 
@@ -215,16 +225,67 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_toml_is_one_line_with_what_stands_there() {
+    fn what_is_no_toml_is_one_line_with_its_column_and_plain_words() {
         assert!(refused("").ends_with(": missing key `rate_hz`"));
         for (text, words) in [
-            ("rate_hz=.05 # low", ":1: rate_hz = .05: invalid"),
-            ("rate_hz = 1\nrate_hz = 2", ":2: rate_hz = 2: duplicate key"),
-            ("rate_hz = = 2", ":1: rate_hz = = 2: "),
-            ("rate_hz = 1\n[joint", ":2: [joint: "),
+            (
+                "a = \"arm\nb = 2",
+                ":1:9: a = \"arm: the closing \" is missing",
+            ),
+            (
+                "a = arm",
+                ":1:5: a = arm: a text stands in quotes, and a number has no unit",
+            ),
+            (
+                "a = 8.1 Hz",
+                ":1:5: a = 8.1 Hz: a text stands in quotes, and a number has no unit",
+            ),
+            (
+                "a = fast",
+                ":1:5: a = fast: a text stands in quotes, and a number has no unit",
+            ),
+            (
+                "a = True",
+                ":1:5: a = True: true and false have small letters",
+            ),
+            ("a =\nb = 1", ":1:4: a = : there is no value behind ="),
+            (
+                "a = 1\n a = 2",
+                ":2:2: a = 2: this key stands a second time",
+            ),
+            (
+                "[a]\n[a]",
+                ":2:2: [a]: this table stands a second time; those of a list are headed [[...]]",
+            ),
+            (
+                "a=.05 # low",
+                ":1:3: a = .05: a number has a digit before its point, as 0.5",
+            ),
+            (
+                "a = 8.",
+                ":1:7: a = 8.: a number has a digit behind its point, as 8.0",
+            ),
+            (
+                "a = 1,5",
+                ":1:6: a = 1,5: a number has a point, not a comma",
+            ),
+            ("a 1", ":1:3: a 1: = is missing behind the key"),
+            ("a : 1", ":1:3: a : 1: = is missing behind the key"),
+            ("a = = 2", ":1:5: a = = 2: = stands twice"),
+            (
+                "a = 1 b = 2",
+                ":1:9: a = 1 b = 2: each key stands on a line of its own",
+            ),
+            ("a = 1\n[joint", ":2:7: [joint: the closing ] is missing"),
+            ("[[joint]\n", ":1:9: [[joint]: the closing ]] is missing"),
+            ("a = [1, 2\nb = 3", "a comma or the closing ] is missing"),
+            (
+                "a = \"C:\\data\"",
+                "in \"...\" a \\ is written \\\\; in '...' it stands alone",
+            ),
         ] {
             let said = refused(text);
-            assert!(said.starts_with(words) && !said.contains('\n'), "{said}");
+            assert!(said.contains(words) && !said.contains('\n'), "{said}");
         }
     }
 }

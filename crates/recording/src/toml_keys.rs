@@ -38,6 +38,12 @@ pub fn line(text: &str, byte: usize) -> usize {
     1 + before.iter().filter(|&&byte| byte == b'\n').count()
 }
 
+/// The column of a byte in its line, in characters counted from 1.
+pub fn column(text: &str, byte: usize) -> usize {
+    let before = text.get(..byte).unwrap_or(text);
+    1 + before.chars().rev().take_while(|own| *own != '\n').count()
+}
+
 fn table_keys(above: &str, table: &DeTable, keys: &mut Vec<TomlKey>) {
     for (key, value) in table {
         let name: &str = key.get_ref();

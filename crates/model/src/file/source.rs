@@ -27,10 +27,14 @@ impl<'a> Source<'a> {
 
     /// The text as TOML.
     pub fn document(&self) -> Result<DeTable<'a>, ModelError> {
-        let parsed = DeTable::parse(self.text).map_err(|error| ModelError::Syntax {
-            file: self.file.to_path_buf(),
-            line: self.line(error.span().map_or(0, |span| span.start)),
-            reason: SyntaxError::of(self.text, &error).reason,
+        let parsed = DeTable::parse(self.text).map_err(|error| {
+            let told = SyntaxError::of(self.text, &error);
+            ModelError::Syntax {
+                file: self.file.to_path_buf(),
+                line: told.line.unwrap_or(1),
+                column: told.column.unwrap_or(1),
+                reason: told.reason,
+            }
         })?;
         Ok(parsed.into_inner())
     }
