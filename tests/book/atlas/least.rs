@@ -4,12 +4,12 @@ use super::arm::{Arm, without};
 use nalgebra::DVector;
 use quell::model::Term;
 
-/// Standard deviation of the noise of each kind of sensor, white, in its unit: a joint's tip sensor, a small
+/// Standard deviation of the noise of each kind of sensor, white, in its unit and in words: a joint's tip sensor, a small
 /// accelerometer, a linear encoder.
-const NOISES: [(&str, f64); 3] = [
-    ("link_position", 1e-5),
-    ("link_acceleration", 0.05),
-    ("motor_position", 1e-6),
+const NOISES: [(&str, f64, &str); 3] = [
+    ("link_position", 1e-5, "10 urad"),
+    ("link_acceleration", 0.05, "0.05 rad/s^2"),
+    ("motor_position", 1e-6, "1 um"),
 ];
 /// Log evidence from which an effect is told, and the temperature of samples that are not independent: those of the
 /// diagnosis.
@@ -21,10 +21,11 @@ const HALVINGS: u32 = 4;
 /// Steps until an effect counts as unseen: sizes of 1e-12 and 1e12 of the typical one.
 const STEPS: u32 = 20;
 
-/// Noise of a sensor by its channel's name.
-pub fn noise(channel: &str) -> f64 {
+/// Noise of a sensor by its channel's name: in its unit, and as a reader is told it.
+pub fn noise(channel: &str) -> (f64, &'static str) {
     let known = NOISES.iter().find(|own| own.0 == channel);
-    known.expect("each sensor of the atlas has a noise").1
+    let known = known.expect("each sensor of the atlas has a noise");
+    (known.1, known.2)
 }
 
 /// Which sizes a sensor sees.
@@ -41,7 +42,7 @@ pub fn seen(arm: &Arm, sensor: usize, term: &Term) -> Seen {
     let (plain, refit) = (arm.shown(sensor, &keys, &[]), arm.refit(sensor));
     let channel = arm.sensors[sensor].outputs[0].channel.name();
     // N r^2 / (2 T n^2) is the evidence of a misfit with the root mean square r.
-    let needed = noise(channel) * (2.0 * TEMPERATURE * EVIDENCE).sqrt();
+    let needed = noise(channel).0 * (2.0 * TEMPERATURE * EVIDENCE).sqrt();
     let index = term.effect.size();
     let typical = term.values[index];
     let misfit = |factor: f64| -> f64 {

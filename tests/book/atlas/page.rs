@@ -91,20 +91,20 @@ fn sensors(own: &Entry) -> String {
             let name = experiment.outputs[0].channel.name();
             let left = 100.0 * rms(&print.misfit) / rms(&print.change).max(f64::MIN_POSITIVE);
             [
-                format!("`{name}`, {} {unit}", shorter(noise(name))),
+                format!("`{name}`, {}", noise(name).1),
+                told(&seen(own.arm, index, &own.term)),
                 format!("{} {unit}", short(rms(&print.misfit))),
                 format!("{left:.0} %"),
-                told(&seen(own.arm, index, &own.term)),
             ]
         });
     let size = &own.term.effect.parameters[own.term.effect.size()];
-    let sees = format!("sees `{}`", size.name);
+    let sees = format!("sees {}", size.name.replace('_', " "));
     table(
         [
             "sensor, its noise",
+            &sees,
             "misfit after a refit, rms",
             "of what it changes",
-            &sees,
         ],
         rows,
     )
