@@ -276,11 +276,8 @@ impl fmt::Display for Place {
             return Ok(());
         }
         write!(f, "{}:", self.file.display())?;
-        if let Some(line) = self.line {
-            write!(f, "{line}:")?;
-        }
-        if let Some(character) = self.character {
-            write!(f, "{character}:")?;
+        for number in self.line.iter().chain(&self.character) {
+            write!(f, "{number}:")?;
         }
         if let Some(row) = self.row {
             write!(f, " row {row}:")?;
