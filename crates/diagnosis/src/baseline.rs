@@ -55,6 +55,7 @@ pub fn problem<'a>(
         experiments,
         rows,
         whitening: noise.clone(),
+        sensor_noise: noise.clone(),
         noise,
         input_rounding: Arc::default(),
         free,

@@ -1,9 +1,9 @@
 //! Confidence intervals by a parametric bootstrap: the scatter of the fit over other draws of the noise.
 //!
 //! A replicate takes the best explanation for the truth. Its outputs are the prediction for the recorded input,
-//! plus noise ([`output_noise`]). Its input is the recorded one plus another draw of the encoder's error
-//! ([`InputError`]). For the encoder that drives the model is itself rounded and noisy, and the model responds
-//! to that error mostly at its resonance, where the parameters are learned. One Gauss-Newton step from the best
+//! plus noise ([`output_noise`]). Its input is the recorded one plus another draw of the encoder's rounding
+//! ([`InputError`]). For the model responds to that error mostly at its resonance, where the parameters are
+//! learned. One Gauss-Newton step from the best
 //! point, with its derivatives, refits all unknowns:
 //! shared ones, clocks, departures, linear nuisances. It is exact for a small change; where a second
 //! step moves the first replicates by more than a tenth of the first one, all take it.
@@ -166,6 +166,11 @@ impl<'a> World<'a> {
             predicted.push(values.zip(&left).map(less).collect());
             noise.push(output_noise::of(search, best, e, &left));
         }
+        // The noise of an input that counts as noise of the outputs is drawn with theirs.
+        let error = |e: usize| match problem.hears_input(e) {
+            true => InputError::None,
+            false => InputError::of(&problem.experiments[e]),
+        };
         Self {
             search,
             point,
@@ -173,7 +178,7 @@ impl<'a> World<'a> {
             linear,
             predicted,
             noise,
-            input: problem.experiments.iter().map(InputError::of).collect(),
+            input: (0..problem.experiments.len()).map(error).collect(),
         }
     }
 

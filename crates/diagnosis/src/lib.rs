@@ -30,6 +30,7 @@ mod follows_motion;
 mod found;
 mod input_error;
 mod input_hold;
+mod input_noise;
 mod input_rounding;
 mod judge;
 mod law_band;

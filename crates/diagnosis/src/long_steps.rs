@@ -47,6 +47,7 @@ pub fn searched_in_long_steps(
     let fitted = own.fit(point, projector, LONG);
     let first = other.judge(&own, projector, fitted);
     let pool = settled(&mut own, projector, &other, Pool::new(first), told);
+    problem.sensor_noise = own.sensor_noise;
     (problem.noise, problem.whitening) = (own.noise, own.whitening);
     Some(search(problem, projector, judge, told).fitted_again(&pool))
 }

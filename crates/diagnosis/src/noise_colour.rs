@@ -57,6 +57,7 @@ pub fn colour(residual: &[f64], period: f64, frequency: f64) -> Option<Whitening
     };
     Some(Whitening {
         coefficients: if better { vec![pole] } else { Vec::new() },
+        moving_average: Vec::new(),
         innovation,
         deviation: innovation / (1.0 - pole * pole).sqrt(),
     })
@@ -81,6 +82,7 @@ mod tests {
     fn a_pole_is_found_under_a_mode_and_none_in_white_noise() {
         let truth = Whitening {
             coefficients: vec![0.5],
+            moving_average: Vec::new(),
             innovation: 2.0,
             deviation: 2.0 / 0.75_f64.sqrt(),
         };

@@ -26,7 +26,9 @@ pub struct Problem<'a> {
     pub experiments: &'a [Experiment],
     /// For each experiment and output the rows that are fitted.
     pub rows: Vec<Vec<Rows>>,
-    /// For each experiment and output the filter that makes its noise white and of unit variance.
+    /// For each experiment and output the filter that makes the noise of its sensor white and of unit variance.
+    pub sensor_noise: Vec<Vec<Whitening>>,
+    /// The same for the noise of its sensor and of the input.
     pub noise: Vec<Vec<Whitening>>,
     /// The same as used for the weights: outputs whose residuals are all far above the noise weigh alike.
     pub whitening: Vec<Vec<Whitening>>,

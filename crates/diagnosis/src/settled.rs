@@ -52,7 +52,9 @@ fn with_noise_of_best(
     told: (&Known, Progress),
 ) -> Option<Pool> {
     let best = pool.best(judge);
-    (problem.noise, problem.whitening) = measured_again(problem, &best.fitted.point)?;
+    if !measured_again(problem, &best.fitted.point) {
+        return None;
+    }
     *projector = Projector::new(problem);
     Some(search(problem, projector, judge, told).fitted_again(pool))
 }

@@ -1,6 +1,7 @@
 //! Unknowns of a recording's start that no sensor measures.
 
 use super::fit::Fitted;
+use super::input_error::InputError;
 use super::problem::Problem;
 use super::projector::Projector;
 use super::thresholds::{LONG, STRONG};
@@ -22,8 +23,16 @@ pub fn departures(model: &Model, experiments: &[Experiment]) -> Vec<StartCompone
         // A link whose motion is prescribed starts with that motion.
         (MotorSide::Fixed, _) if linear.link_is_input => Vec::new(),
         (MotorSide::Fixed, _) => vec![Deformation, DeformationRate],
-        (MotorSide::Prescribed, _) => Vec::new(),
+        // A mode starts with the motion of the first samples, and so with their noise.
+        (MotorSide::Prescribed, _) => match experiments.iter().any(is_noisy) {
+            true => vec![Deformation, DeformationRate],
+            false => Vec::new(),
+        },
     }
+}
+
+fn is_noisy(experiment: &Experiment) -> bool {
+    matches!(InputError::of(experiment), InputError::White(_))
 }
 
 /// Typical sizes of the unknown components of a start.

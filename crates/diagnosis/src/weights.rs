@@ -15,22 +15,20 @@ type Each<T> = Vec<Vec<T>>;
 
 /// Sets level and colour of the noise and the weights from the residual at a point.
 pub fn measure_noise(problem: &mut Problem, point: &Point) {
-    let (noise, left) = measured(problem, point);
+    let (own, left) = measured(problem, point);
+    let noise = with_input_noise(problem, point, &own);
     tracing::debug!(?noise, "noise");
-    problem.whitening = weights(problem, &noise, &left);
-    problem.noise = noise;
+    problem.whitening = weights(problem, (&own, &noise), &left);
+    (problem.sensor_noise, problem.noise) = (own, noise);
 }
 
-/// Noise and weights from a better model, if they differ from the present ones by more than chance: the rough
-/// part of a mismatch is taken for noise until the mismatch is explained.
-pub fn measured_again(
-    problem: &Problem,
-    point: &Point,
-) -> Option<(Each<Whitening>, Each<Whitening>)> {
+/// Sets noise and weights from a better model, if they differ from the present ones by more than chance: the
+/// rough part of a mismatch is taken for noise until the mismatch is explained. Returns whether they do.
+pub fn measured_again(problem: &mut Problem, point: &Point) -> bool {
     let (found, left) = measured(problem, point);
-    let mut noise = problem.noise.clone();
+    let mut own = problem.sensor_noise.clone();
     let new = found.into_iter().flatten().zip(left.iter().flatten());
-    for (own, (new, left)) in noise.iter_mut().flatten().zip(new) {
+    for (own, (new, left)) in own.iter_mut().flatten().zip(new) {
         // A better model does not add noise, so the lower estimate of a level counts. The exception is noise
         // that was only known by its roughness and taken for white: the residual may be noise of the same
         // roughness that is slower and louder.
@@ -42,16 +40,28 @@ pub fn measured_again(
             *own = new;
         }
     }
-    let weights = weights(problem, &noise, &left);
+    let noise = with_input_noise(problem, point, &own);
+    let weights = weights(problem, (&own, &noise), &left);
     let before = problem.whitening.iter().flatten();
     let changed = before.zip(weights.iter().flatten()).any(|(old, new)| {
         let ratio = new.deviation / old.deviation;
-        ratio.max(1.0 / ratio) > LOUDER
+        let heard = |own: &Whitening| own.moving_average.is_empty();
+        ratio.max(1.0 / ratio) > LOUDER || heard(old) != heard(new)
     });
-    changed.then_some((noise, weights))
+    if changed {
+        (problem.sensor_noise, problem.noise, problem.whitening) = (own, noise, weights);
+    }
+    changed
 }
 
-/// Noise of every output, and the standard deviation of its residual.
+/// The noise of every output with that of the input.
+fn with_input_noise(problem: &Problem, point: &Point, own: &[Vec<Whitening>]) -> Each<Whitening> {
+    let each = own.iter().enumerate();
+    each.map(|(e, own)| problem.with_input_noise(point, e, own))
+        .collect()
+}
+
+/// Noise of every output's sensor, and the standard deviation of its residual.
 fn measured(problem: &Problem, point: &Point) -> (Each<Whitening>, Each<f64>) {
     // Only for a mode the fall of the response above its frequency is known.
     let rates = match problem.kind.mode {
@@ -78,14 +88,19 @@ fn measured(problem: &Problem, point: &Point) -> (Each<Whitening>, Each<f64>) {
 /// Far above the noise a residual is the model's error, and the noise says nothing about its size in each
 /// output: the quietest sensor would count alone. A model's error belongs to the motion, whichever sensor sees
 /// it, so that outputs of one unit weigh alike. If the levels are unknown, the likelihood is `prod RSS_k^(-N_k
-/// / 2)` over the units, and the weights are the levels themselves. If one output shows only noise, the weights
-/// are those of the noise.
+/// / 2)` over the units, and the weights are the levels themselves, of the sensors' own colour: how the chain
+/// colours the noise of the input says nothing about a model's error. If one output shows only noise, the
+/// weights are those of the noise.
 ///
 /// Source: Box and Draper, The Bayesian estimation of common parameters from several responses,
 /// Biometrika 52 (1965), for outputs whose errors are independent.
-fn weights(problem: &Problem, noise: &[Vec<Whitening>], left: &[Vec<f64>]) -> Each<Whitening> {
+fn weights(
+    problem: &Problem,
+    (own, noise): (&[Vec<Whitening>], &[Vec<Whitening>]),
+    left: &[Vec<f64>],
+) -> Each<Whitening> {
     let weigh = |(e, experiment): (usize, &Experiment)| {
-        let (noise, left) = (&noise[e], &left[e]);
+        let (own, noise, left) = (&own[e], &noise[e], &left[e]);
         let above = noise
             .iter()
             .zip(left)
@@ -101,10 +116,10 @@ fn weights(problem: &Problem, noise: &[Vec<Whitening>], left: &[Vec<f64>]) -> Ea
             let squares: Vec<f64> = same.map(|(_, left)| left * left).collect();
             (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
         };
-        let above = |k: usize| level(k) / noise[k].deviation;
-        let least = (0..noise.len()).map(above).fold(f64::INFINITY, f64::min);
-        let louder = |k: usize| noise[k].louder(above(k) / least);
-        (0..noise.len()).map(louder).collect()
+        let above = |k: usize| level(k) / own[k].deviation;
+        let least = (0..own.len()).map(above).fold(f64::INFINITY, f64::min);
+        let louder = |k: usize| own[k].louder(above(k) / least);
+        (0..own.len()).map(louder).collect()
     };
     problem.experiments.iter().enumerate().map(weigh).collect()
 }

@@ -1,16 +1,27 @@
-//! Whitening of noise by an autoregressive filter.
+//! Whitening of noise by an autoregressive filter, with a moving average where the noise has passed a resonance.
 
 use rand::Rng;
 use rand_distr::StandardNormal;
 
-/// `e_t = (r_t - a_1 r_{t-1} - ... - a_p r_{t-p}) / sigma`.
+/// `e_t = (r_t - a_1 r_{t-1} - ... - a_p r_{t-p}) / sigma`, less what the moving average keeps of former ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Whitening {
     /// `a_1 ... a_p`; empty for white noise.
     pub coefficients: Vec<f64>,
+    /// The moving average from the first sample on, the last for all that follow; empty for autoregressive noise.
+    pub moving_average: Vec<Innovation>,
     /// Standard deviation of the innovation, in the unit of the values.
     pub innovation: f64,
     /// Standard deviation of the noise itself.
+    pub deviation: f64,
+}
+
+/// A sample of a moving average: `u_t = s_t e_t + b_1 s_{t-1} e_{t-1} + ... + b_q s_{t-q} e_{t-q}`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Innovation {
+    /// `b_1 ... b_q`; fewer where fewer samples came before.
+    pub gains: Vec<f64>,
+    /// `s_t`: standard deviation of what earlier samples do not tell, in the unit of the values.
     pub deviation: f64,
 }
 
@@ -26,6 +37,7 @@ impl Whitening {
     pub fn white(deviation: f64) -> Self {
         Self {
             coefficients: Vec::new(),
+            moving_average: Vec::new(),
             innovation: deviation,
             deviation,
         }
@@ -35,6 +47,11 @@ impl Whitening {
     pub fn louder(&self, times: f64) -> Self {
         Self {
             coefficients: self.coefficients.clone(),
+            moving_average: self
+                .moving_average
+                .iter()
+                .map(|own| own.louder(times))
+                .collect(),
             innovation: times * self.innovation,
             deviation: times * self.deviation,
         }
@@ -43,16 +60,31 @@ impl Whitening {
     /// Standard deviation that third differences of the noise give if it is taken for white: `sd(D^3 r) /
     /// sqrt(20)`.
     pub fn roughness(&self) -> f64 {
-        let mut response: Vec<f64> = Vec::with_capacity(WARM_UP);
-        for t in 0..WARM_UP {
-            let past = self.coefficients.iter().take(t).enumerate();
-            let echo: f64 = past.map(|(k, a)| a * response[t - 1 - k]).sum();
-            response.push(echo + f64::from(u8::from(t == 0)));
-        }
+        let response = self.response();
         let at = |t: usize, lag: usize| t.checked_sub(lag).map_or(0.0, |t| response[t]);
         let third = |t| at(t, 0) - 3.0 * at(t, 1) + 3.0 * at(t, 2) - at(t, 3);
         let power: f64 = (0..WARM_UP).map(|t| third(t).powi(2)).sum();
         self.innovation * (power / 20.0).sqrt()
+    }
+
+    /// Response of the noise to an innovation of 1 at the first sample.
+    pub fn response(&self) -> Vec<f64> {
+        let mut response: Vec<f64> = Vec::with_capacity(WARM_UP);
+        for t in 0..WARM_UP {
+            let past = self.coefficients.iter().take(t).enumerate();
+            let echo: f64 = past.map(|(k, a)| a * response[t - 1 - k]).sum();
+            let own = match t {
+                0 => 1.0,
+                t => self.echoes().get(t - 1).copied().unwrap_or(0.0),
+            };
+            response.push(echo + own);
+        }
+        response
+    }
+
+    /// `b_1 ... b_q` of the moving average far from the start.
+    fn echoes(&self) -> &[f64] {
+        self.moving_average.last().map_or(&[], |own| &own.gains)
     }
 
     /// The filter for stretches of noise: Yule-Walker by the Levinson-Durbin recursion, with the order of least
@@ -90,6 +122,7 @@ impl Whitening {
                 best_score = score;
                 best = Self {
                     coefficients: a.clone(),
+                    moving_average: Vec::new(),
                     innovation: innovation.sqrt(),
                     deviation: variance.sqrt(),
                 };
@@ -98,18 +131,34 @@ impl Whitening {
         best
     }
 
-    /// Appends the whitened values. The first ones have no known past and are divided by the noise's own
-    /// standard deviation.
+    /// Appends the whitened values. Without a moving average the first ones, which have no known past, are
+    /// divided by the noise's own standard deviation.
     pub fn apply(&self, values: &[f64], rows: &mut Vec<f64>) {
         let p = self.coefficients.len();
+        let mut innovations = Vec::with_capacity(values.len());
         for (t, value) in values.iter().enumerate() {
-            if t < p {
-                rows.push(value / self.deviation);
+            let own = self.moving_average.get(t).or(self.moving_average.last());
+            let past = self
+                .coefficients
+                .iter()
+                .enumerate()
+                .take(if t < p { 0 } else { p });
+            let mut expected: f64 = past.map(|(k, a)| a * values[t - 1 - k]).sum();
+            let Some(own) = own else {
+                let deviation = if t < p {
+                    self.deviation
+                } else {
+                    self.innovation
+                };
+                rows.push((value - expected) / deviation);
                 continue;
-            }
-            let past = self.coefficients.iter().enumerate();
-            let expected: f64 = past.map(|(k, a)| a * values[t - 1 - k]).sum();
-            rows.push((value - expected) / self.innovation);
+            };
+            let former = own.gains.iter().zip(innovations.iter().rev());
+            expected += former
+                .map(|(b, innovation): (_, &f64)| b * innovation)
+                .sum::<f64>();
+            innovations.push(value - expected);
+            rows.push((value - expected) / own.deviation);
         }
     }
 
@@ -118,12 +167,26 @@ impl Whitening {
         let p = self.coefficients.len();
         let before = if p == 0 { 0 } else { WARM_UP };
         let mut values: Vec<f64> = Vec::with_capacity(before + count);
+        let mut innovations: Vec<f64> = Vec::with_capacity(before + count);
         for t in 0..before + count {
             let past = self.coefficients.iter().take(t).enumerate();
             let expected: f64 = past.map(|(k, a)| a * values[t - 1 - k]).sum();
-            values.push(expected + self.innovation * random.sample::<f64, _>(StandardNormal));
+            let moving = self.echoes().iter().take(t).enumerate();
+            let echo: f64 = moving.map(|(k, b)| b * innovations[t - 1 - k]).sum();
+            let innovation: f64 = self.innovation * random.sample::<f64, _>(StandardNormal);
+            innovations.push(innovation);
+            values.push(expected + echo + innovation);
         }
         values.split_off(before)
+    }
+}
+
+impl Innovation {
+    fn louder(&self, times: f64) -> Self {
+        Self {
+            gains: self.gains.clone(),
+            deviation: times * self.deviation,
+        }
     }
 }
 
@@ -138,6 +201,7 @@ mod tests {
         fn roughness_of_one_pole(a in -0.9..0.95f64, deviation in 1e-6..1e3f64) {
             let noise = Whitening {
                 coefficients: vec![a],
+                moving_average: Vec::new(),
                 innovation: deviation * (1.0 - a * a).sqrt(),
                 deviation,
             };

@@ -1,0 +1,267 @@
+//! Noise of the recorded input, as a part of the noise of the outputs.
+//!
+//! A simulation carries the noise of a measured motion through the chain: a mode of damping ratio 0.03 makes it
+//! seventeen times as loud at its own frequency. Let `h` be the response of an output's rows to the noise of one
+//! sample, and `rho` the autocovariance of the sensor's own noise. That of both is
+//!
+//! ```text
+//! r_l = rho_l + (N_in / N_out) sum_i h_i h_(i+l)
+//! ```
+//!
+//! It is that of an autoregressive moving average. Its poles `A` are those of the sensor's noise and, behind a
+//! mode, the two of `h`; the moving average is the spectral factor of `A r A*`.
+//!
+//! Source: Soederstroem, Errors-in-Variables Methods in System Identification (2018), chapter 2, for a noisy
+//! input; Brockwell and Davis, Time Series: Theory and Methods (1991), section 5.2, for the innovations
+//! algorithm.
+
+use super::input_error::InputError;
+use super::point::Point;
+use super::problem::Problem;
+use super::whitening::{Innovation, Whitening};
+
+/// Places of a recording, as shares of its length, at which the response is taken: an error between the nodes
+/// of a smoothed input moves the chain less than one at a node.
+const PLACES: [f64; 3] = [0.17, 0.31, 0.52];
+/// Lags over which the poles of a response are fitted. A response has lost its smoothing by then and is still
+/// ringing.
+const LAGS: usize = 400;
+/// Most steps of the innovations algorithm: a moving average of a mode forgets within a period.
+const STEPS: usize = 1000;
+/// Relative change of a standard deviation below which a moving average is steady.
+const STEADY: f64 = 1e-9;
+
+impl Problem<'_> {
+    /// Whether the noise of an experiment's input is a part of the noise of its outputs.
+    pub fn hears_input(&self, e: usize) -> bool {
+        let experiment = &self.experiments[e];
+        let is_white = matches!(InputError::of(experiment), InputError::White(_));
+        is_white && experiment.windows.is_empty()
+    }
+
+    /// The noise of every output of an experiment with that of its input, at a point; `own` is the sensors'.
+    pub fn with_input_noise(&self, point: &Point, e: usize, own: &[Whitening]) -> Vec<Whitening> {
+        if !self.hears_input(e) {
+            return own.to_vec();
+        }
+        let responses = PLACES.map(|place| self.response_to_noise(point, e, place));
+        let both = own.iter().enumerate().map(|(k, own)| {
+            let samples = self.experiments[e].outputs[k].values.len() as f64;
+            let often = self.experiments[e].input_values.len() as f64 / samples;
+            let of = |lag: usize| {
+                let each = responses.iter().map(|rows| product(&rows[k], lag));
+                each.sum::<f64>() * often / PLACES.len() as f64
+            };
+            let heard: Vec<f64> = (0..=LAGS).map(of).collect();
+            beside(own, &heard).unwrap_or_else(|| own.clone())
+        });
+        both.collect()
+    }
+
+    /// Change of an experiment's residuals by an error of one sample of its input, of one standard deviation.
+    fn response_to_noise(&self, point: &Point, e: usize, place: f64) -> Vec<Vec<f64>> {
+        let experiment = &self.experiments[e];
+        let mut values = experiment.input_values.clone();
+        let index = (place * values.len() as f64) as usize;
+        if let InputError::White(deviation) = InputError::of(experiment) {
+            values[index] += deviation;
+        }
+        let mut experiments = self.experiments.to_vec();
+        experiments[e] = experiment.with_input(values);
+        let moved = Problem {
+            experiments: &experiments,
+            ..self.clone()
+        };
+        let [here, there] = [self, &moved].map(|problem| problem.run(point, e).residuals);
+        let less = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a - b).collect();
+        here.iter().zip(&there).map(less).collect()
+    }
+}
+
+/// `sum_i x_i x_(i+lag)`.
+fn product(x: &[f64], lag: usize) -> f64 {
+    x.iter().zip(x.iter().skip(lag)).map(|(a, b)| a * b).sum()
+}
+
+/// A sensor's noise with noise of an autocovariance beside it, which rings with a mode or does not ring: as the
+/// moving average leaves out less. `None` where neither has one.
+fn beside(own: &Whitening, heard: &[f64]) -> Option<Whitening> {
+    let response = own.response();
+    let power = own.innovation.powi(2);
+    let both = |(lag, heard): (usize, &f64)| power * product(&response, lag) + heard;
+    let covariance: Vec<f64> = heard.iter().enumerate().map(both).collect();
+    let mut poles = vec![1.0];
+    poles.extend(own.coefficients.iter().map(|a| -a));
+    let order = own.coefficients.len() + 2;
+    let still = Filtered::new(&covariance, poles.clone(), order);
+    let ringing =
+        poles_of(heard).map(|mode| Filtered::new(&covariance, times(&poles, &mode), order));
+    let least = ringing.filter(|own| own.left_out() < still.left_out());
+    least.unwrap_or(still).whitening()
+}
+
+/// Noise whose autoregressive part is filtered out.
+struct Filtered<'a> {
+    covariance: &'a [f64],
+    poles: Vec<f64>,
+    /// Autocovariance of what is left, and the order of its moving average.
+    left: Vec<f64>,
+    order: usize,
+}
+
+impl<'a> Filtered<'a> {
+    fn new(covariance: &'a [f64], poles: Vec<f64>, order: usize) -> Self {
+        let count = poles.len();
+        let at = |lag: usize| -> f64 {
+            let pairs = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
+            let of =
+                |(i, j): (usize, usize)| poles[i] * poles[j] * covariance[(lag + i).abs_diff(j)];
+            pairs.map(of).sum()
+        };
+        let left = (0..covariance.len() - count).map(at).collect();
+        Self {
+            covariance,
+            poles,
+            left,
+            order,
+        }
+    }
+
+    /// Share of the autocovariance beyond the order of the moving average.
+    fn left_out(&self) -> f64 {
+        let beyond: f64 = self.left[self.order + 1..].iter().map(|c| c * c).sum();
+        beyond.sqrt() / self.left[0]
+    }
+
+    fn whitening(&self) -> Option<Whitening> {
+        let first = self.poles.len() - 1;
+        // Of the first samples, which the poles do not filter, with one behind them.
+        let crossed = |lag: usize| -> f64 {
+            let all = self.poles.iter().enumerate();
+            all.map(|(k, pole)| pole * self.covariance[lag.abs_diff(k)])
+                .sum()
+        };
+        let moving_average = innovations(self.order, |later, earlier| match later - earlier {
+            lag if lag > self.order => 0.0,
+            lag if later < first => self.covariance[lag],
+            lag if earlier < first => crossed(lag),
+            lag => self.left[lag],
+        })?;
+        Some(Whitening {
+            coefficients: self.poles[1..].iter().map(|a| -a).collect(),
+            innovation: moving_average.last()?.deviation,
+            moving_average,
+            deviation: self.covariance[0].sqrt(),
+        })
+    }
+}
+
+/// Product of two polynomials.
+fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut product = vec![0.0; a.len() + b.len() - 1];
+    for (i, x) in a.iter().enumerate() {
+        for (j, y) in b.iter().enumerate() {
+            product[i + j] += x * y;
+        }
+    }
+    product
+}
+
+/// `1 - a_1 z - a_2 z^2` that fits `c_l = a_1 c_(l-1) + a_2 c_(l-2)` best; `None` where it is not stable.
+fn poles_of(c: &[f64]) -> Option<[f64; 3]> {
+    let (mut xx, mut xy, mut yy, mut xc, mut yc) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for lag in 3..c.len() {
+        let (own, x, y) = (c[lag], c[lag - 1], c[lag - 2]);
+        (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
+        (xc, yc) = (xc + x * own, yc + y * own);
+    }
+    let determinant = xx * yy - xy * xy;
+    let (first, second) = (
+        (xc * yy - yc * xy) / determinant,
+        (yc * xx - xc * xy) / determinant,
+    );
+    let is_stable = second.abs() < 1.0 && first.abs() < 1.0 - second;
+    is_stable.then_some([1.0, -first, -second])
+}
+
+/// Moving average of order `q` with a covariance, from the first sample on until it is steady; `None` where
+/// there is none.
+fn innovations(q: usize, covariance: impl Fn(usize, usize) -> f64) -> Option<Vec<Innovation>> {
+    let mut all: Vec<Innovation> = Vec::new();
+    let variance = |own: &Innovation| own.deviation.powi(2);
+    for n in 0..STEPS {
+        let mut gains = vec![0.0; q.min(n)];
+        for lag in (1..=gains.len()).rev() {
+            let earlier = &all[n - lag];
+            let common = earlier.gains.iter().zip(&gains[lag..]).enumerate();
+            let shared = common.map(|(j, (a, b))| a * b * variance(&all[n - lag - 1 - j]));
+            gains[lag - 1] = (covariance(n, n - lag) - shared.sum::<f64>()) / variance(earlier);
+        }
+        let known = gains.iter().zip(all.iter().rev());
+        let known: f64 = known.map(|(b, own)| b * b * variance(own)).sum();
+        let left = covariance(n, n) - known;
+        if left.is_nan() || left <= 0.0 {
+            return None;
+        }
+        let deviation = left.sqrt();
+        let before = all.last().map_or(0.0, |own| own.deviation);
+        all.push(Innovation { gains, deviation });
+        if n > 2 * q && (deviation / before - 1.0).abs() < STEADY {
+            break;
+        }
+    }
+    Some(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The factor of a moving average with roots outside the unit circle is itself.
+        #[test]
+        fn val_a_moving_average_is_found_again(a in -0.9..0.9f64, b in -0.9..0.9f64, variance in 0.1..10.0f64) {
+            let own = times(&[1.0, a], &[1.0, b]);
+            let covariance: Vec<f64> = (0..3).map(|lag| variance * product(&own, lag)).collect();
+            let at = |later: usize, earlier: usize| covariance.get(later - earlier).copied();
+            let all = innovations(2, |later, earlier| at(later, earlier).unwrap_or(0.0)).unwrap();
+            let found = all.last().unwrap();
+            for (found, own) in found.gains.iter().zip(&own[1..]) {
+                prop_assert!((found - own).abs() < 1e-4);
+            }
+            prop_assert!((found.deviation.powi(2) / variance - 1.0).abs() < 1e-4);
+        }
+    }
+
+    /// White noise beside white noise that has passed a mode becomes white.
+    #[test]
+    fn noise_behind_a_mode_is_whitened() {
+        let (radius, angle): (f64, f64) = (0.99, 0.1);
+        let mode = Whitening {
+            coefficients: vec![2.0 * radius * angle.cos(), -radius * radius],
+            moving_average: Vec::new(),
+            innovation: 0.02,
+            deviation: 1.0,
+        };
+        let response = mode.response();
+        let heard: Vec<f64> = (0..=LAGS)
+            .map(|lag| 4e-4 * product(&response, lag))
+            .collect();
+        let both = beside(&Whitening::white(0.5), &heard).unwrap();
+        let mut random: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(5);
+        let noise = [&Whitening::white(0.5), &mode].map(|own| own.draw(40_000, &mut random));
+        let noise: Vec<f64> = noise[0].iter().zip(&noise[1]).map(|(a, b)| a + b).collect();
+        let mut rows = Vec::new();
+        // In stretches, whose first rows have no known past.
+        for stretch in noise.chunks(200) {
+            both.apply(stretch, &mut rows);
+        }
+        let at = |lag| product(&rows, lag) / rows.len() as f64;
+        // Standard deviations of 0.007 and 0.005.
+        assert!((at(0) - 1.0).abs() < 0.035, "{}", at(0));
+        for lag in [1, 2, 3, 10, 31, 63] {
+            assert!(at(lag).abs() < 0.025, "{lag}: {}", at(lag));
+        }
+    }
+}
