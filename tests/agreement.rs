@@ -177,5 +177,6 @@ fn a_drive_in_volts_has_friction_in_volts() {
         assert!(text.contains("N.m") == (unit == "N.m"), "{text}");
         // The motion starts anew in windows: the line says so.
         assert!(text.contains("each with a start of its own"), "{text}");
+        assert!(text.contains("on windows that were held out"), "{text}");
     }
 }

@@ -44,9 +44,11 @@ impl Data {
             train.push(parts.train);
             held_out.push(parts.held_out);
         }
-        let judged_by = match apart.is_empty() {
-            true => HeldOut::Stretches,
-            false => HeldOut::Recordings,
+        let is_fitted = |own: &Experiment| experiments.iter().any(|e| e.recording == own.recording);
+        let judged_by = match apart.first() {
+            None => HeldOut::Stretches,
+            Some(own) if is_fitted(own) => HeldOut::Windows,
+            Some(_) => HeldOut::Recordings,
         };
         Self {
             experiments,

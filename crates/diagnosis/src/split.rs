@@ -16,6 +16,8 @@ pub struct Split {
 pub enum HeldOut {
     /// Stretches of every recording.
     Stretches,
+    /// The last windows of every recording, each with a start of its own.
+    Windows,
     /// Whole recordings.
     Recordings,
 }
@@ -25,6 +27,7 @@ impl HeldOut {
     pub fn words(self) -> &'static str {
         match self {
             Self::Stretches => "stretches that were held out",
+            Self::Windows => "windows that were held out",
             Self::Recordings => "recordings that were held out",
         }
     }
