@@ -2,11 +2,10 @@
 //!
 //! A replicate takes the best explanation for the truth. Its outputs are the prediction for the recorded input,
 //! plus noise ([`output_noise`]). Its input is the recorded one plus another draw of the encoder's rounding
-//! ([`InputError`]). For the model responds to that error mostly at its resonance, where the parameters are
-//! learned. One Gauss-Newton step from the best
-//! point, with its derivatives, refits all unknowns:
-//! shared ones, clocks, departures, linear nuisances. It is exact for a small change; where a second
-//! step moves the first replicates by more than a tenth of the first one, all take it.
+//! ([`InputError`]): the model responds to that mostly at its resonance, where the parameters are learned. One
+//! Gauss-Newton step from the best point, with its derivatives, refits all unknowns: shared ones, clocks,
+//! departures, linear nuisances. It is exact for a small change; where a second step moves the first replicates
+//! by more than a tenth of the first one, all take it.
 //!
 //! The interval is the value plus and minus the replicates' standard deviation times Student's t, within the
 //! bounds. A standard deviation needs fewer replicates than a quantile does. The variance is increased by the
@@ -167,9 +166,9 @@ impl<'a> World<'a> {
             noise.push(output_noise::of(search, best, e, &left));
         }
         // The noise of an input that counts as noise of the outputs is drawn with theirs.
-        let error = |e: usize| match problem.hears_input(e) {
-            true => InputError::None,
-            false => InputError::of(&problem.experiments[e]),
+        let error = |e: usize| match problem.heard_input_noise(e) {
+            Some(_) => InputError::None,
+            None => InputError::of(&problem.experiments[e]),
         };
         Self {
             search,

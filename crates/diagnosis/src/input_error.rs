@@ -40,6 +40,14 @@ impl InputError {
         }
     }
 
+    /// Standard deviation of the error where it is white noise.
+    pub fn white(self) -> Option<f64> {
+        match self {
+            Self::White(deviation) => Some(deviation),
+            Self::None | Self::Rounding(_) => None,
+        }
+    }
+
     /// The input with another draw of this error added; `None` where there is no error.
     pub fn draw(self, values: &[f64], random: &mut impl Rng) -> Option<Vec<f64>> {
         match self {

@@ -32,22 +32,28 @@ const STEPS: usize = 1000;
 const STEADY: f64 = 1e-9;
 
 impl Problem<'_> {
-    /// Whether the noise of an experiment's input is a part of the noise of its outputs.
-    pub fn hears_input(&self, e: usize) -> bool {
+    /// Standard deviation of the noise of an experiment's input, where that is a part of the noise of its outputs.
+    pub fn heard_input_noise(&self, e: usize) -> Option<f64> {
         let experiment = &self.experiments[e];
-        let is_white = matches!(InputError::of(experiment), InputError::White(_));
-        is_white && experiment.windows.is_empty()
+        let heard = experiment.windows.is_empty();
+        heard.then(|| InputError::of(experiment).white()).flatten()
     }
 
     /// The noise of every output of an experiment with that of its input, at a point; `own` is the sensors'.
     pub fn with_input_noise(&self, point: &Point, e: usize, own: &[Whitening]) -> Vec<Whitening> {
-        if !self.hears_input(e) {
+        let Some(deviation) = self.heard_input_noise(e) else {
             return own.to_vec();
-        }
-        let responses = PLACES.map(|place| self.response_to_noise(point, e, place));
+        };
+        let experiment = &self.experiments[e];
+        let here = self.run(point, e).residuals;
+        let inputs = &experiment.input_values;
+        let responses = PLACES.map(|place| {
+            let mut other = inputs.clone();
+            other[(place * inputs.len() as f64) as usize] += deviation;
+            self.response_to_input((point, &here), e, other)
+        });
         let both = own.iter().enumerate().map(|(k, own)| {
-            let samples = self.experiments[e].outputs[k].values.len() as f64;
-            let often = self.experiments[e].input_values.len() as f64 / samples;
+            let often = inputs.len() as f64 / experiment.outputs[k].values.len() as f64;
             let of = |lag: usize| {
                 let each = responses.iter().map(|rows| product(&rows[k], lag));
                 each.sum::<f64>() * often / PLACES.len() as f64
@@ -56,25 +62,6 @@ impl Problem<'_> {
             beside(own, &heard).unwrap_or_else(|| own.clone())
         });
         both.collect()
-    }
-
-    /// Change of an experiment's residuals by an error of one sample of its input, of one standard deviation.
-    fn response_to_noise(&self, point: &Point, e: usize, place: f64) -> Vec<Vec<f64>> {
-        let experiment = &self.experiments[e];
-        let mut values = experiment.input_values.clone();
-        let index = (place * values.len() as f64) as usize;
-        if let InputError::White(deviation) = InputError::of(experiment) {
-            values[index] += deviation;
-        }
-        let mut experiments = self.experiments.to_vec();
-        experiments[e] = experiment.with_input(values);
-        let moved = Problem {
-            experiments: &experiments,
-            ..self.clone()
-        };
-        let [here, there] = [self, &moved].map(|problem| problem.run(point, e).residuals);
-        let less = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a - b).collect();
-        here.iter().zip(&there).map(less).collect()
     }
 }
 

@@ -46,21 +46,12 @@ impl Problem<'_> {
         let rests = levels(values, step).into_iter();
         let rests = rests.filter(|own| time[own.end - 1] - time[own.start] >= self.scales.period());
         let here = self.run(point, e).residuals;
-        let mut experiments = self.experiments.to_vec();
         let response = |rest: Range<usize>| {
             let mut other = values.clone();
             for value in &mut other[rest] {
                 *value += step / 12f64.sqrt();
             }
-            experiments[e] = experiment.with_input(other);
-            let moved = Problem {
-                experiments: &experiments,
-                ..self.clone()
-            };
-            let there = moved.run(point, e).residuals;
-            let less =
-                |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a - b).collect();
-            here.iter().zip(&there).map(less).collect()
+            self.response_to_input((point, &here), e, other)
         };
         rests.map(response).collect()
     }

@@ -31,6 +31,7 @@ mod found;
 mod input_error;
 mod input_hold;
 mod input_noise;
+mod input_response;
 mod input_rounding;
 mod judge;
 mod law_band;

@@ -32,7 +32,7 @@ pub fn departures(model: &Model, experiments: &[Experiment]) -> Vec<StartCompone
 }
 
 fn is_noisy(experiment: &Experiment) -> bool {
-    matches!(InputError::of(experiment), InputError::White(_))
+    InputError::of(experiment).white().is_some()
 }
 
 /// Typical sizes of the unknown components of a start.

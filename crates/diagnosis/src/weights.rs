@@ -45,8 +45,8 @@ pub fn measured_again(problem: &mut Problem, point: &Point) -> bool {
     let before = problem.whitening.iter().flatten();
     let changed = before.zip(weights.iter().flatten()).any(|(old, new)| {
         let ratio = new.deviation / old.deviation;
-        let heard = |own: &Whitening| own.moving_average.is_empty();
-        ratio.max(1.0 / ratio) > LOUDER || heard(old) != heard(new)
+        let hears_input = |own: &Whitening| !own.moving_average.is_empty();
+        ratio.max(1.0 / ratio) > LOUDER || hears_input(old) != hears_input(new)
     });
     if changed {
         (problem.sensor_noise, problem.noise, problem.whitening) = (own, noise, weights);
