@@ -8,7 +8,7 @@ mod remarks;
 mod resolution;
 mod stretches;
 
-pub use clipped::{Clipped, clipped};
+pub use clipped::{Clipped, clipped, clipped_axes};
 pub use clock::{Clock, Gap, clock};
 pub use remarks::{JITTER, at_limit, mixed_rates, remarks};
 pub use resolution::{noise_std, quantum};

@@ -8,7 +8,7 @@ use crate::identification::output_only::{
 use crate::identification::stop::Stop;
 use crate::identification::{IdentificationError, motor_side, rests};
 use crate::page::{columns, decimals_beside, fixed};
-use crate::recording::health::{self, at_limit, mixed_rates};
+use crate::recording::health::{at_limit, clipped_axes, mixed_rates};
 use crate::recording::{Channel, Recording, Role};
 use quell_shapers::{
     Criterion, Recommendation, Requirements, Shaper, ShaperError, UncertainMode, design_for_all,
@@ -184,11 +184,7 @@ impl Alone {
 
 /// A clause on the axis of an accelerometer with the most readings at its limit.
 fn clipped(channel: &Channel) -> Option<String> {
-    let columns = channel
-        .columns
-        .iter()
-        .filter(|_| channel.role.is_acceleration());
-    let all = columns.filter_map(|column| health::clipped(column));
+    let all = clipped_axes(channel).into_iter();
     let most = all.max_by_key(|clipped| clipped.samples.len())?;
     Some(at_limit(&most, &channel.unit))
 }

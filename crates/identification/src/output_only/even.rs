@@ -178,11 +178,7 @@ fn even(channel: &Channel) -> Result<Vibration, IdentificationError> {
 
 /// Instants at which an accelerometer is at the limit of its range, s; in no order.
 fn clipped(channel: &Channel) -> Vec<f64> {
-    let columns = channel
-        .columns
-        .iter()
-        .filter(|_| channel.role.is_acceleration());
-    let found = columns.filter_map(|column| health::clipped(column));
+    let found = health::clipped_axes(channel).into_iter();
     let samples = found.flat_map(|found| found.samples);
     samples.map(|sample| channel.time[sample]).collect()
 }

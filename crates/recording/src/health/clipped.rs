@@ -1,5 +1,7 @@
 //! Readings at the limits of a sensor's range.
 
+use crate::Channel;
+
 /// Standard deviations of a count beyond which it is not chance: 0.1 % on one side.
 const BEYOND: f64 = 3.0;
 
@@ -40,6 +42,19 @@ pub fn clipped(values: &[f64]) -> Option<Clipped> {
         limit,
         samples: (0..values.len()).filter(is_there).collect(),
     })
+}
+
+/// The same for each axis of an accelerometer that has any; other channels stop at values of their own, as a joint
+/// at an end of its travel.
+pub fn clipped_axes(channel: &Channel) -> Vec<Clipped> {
+    match channel.role.is_acceleration() {
+        true => channel
+            .columns
+            .iter()
+            .filter_map(|axis| clipped(axis))
+            .collect(),
+        false => Vec::new(),
+    }
 }
 
 /// The first of sorted values and its count, if that is too large beside the count of the next value.

@@ -88,7 +88,8 @@ fn values(channel: &Channel, (column, values): (&ColumnHealth, &[f64])) -> Vec<S
             plain(column.minimum)
         ));
     }
-    match clipped(values).filter(|_| channel.role.is_acceleration()) {
+    let may_clip = channel.role.is_acceleration();
+    match may_clip.then(|| clipped(values)).flatten() {
         Some(clipped) => remarks.push(at_limit(&clipped, unit)),
         None => flats(channel, column, &mut remarks),
     }
