@@ -1,6 +1,9 @@
 //! Axes with friction in their bearings, simulated by this file alone: one whose motor side is measured, and one that a
 //! torque drives, with a loop that the model does not know.
 
+mod cycloids;
+
+use cycloids::cycloids;
 use quell::diagnosis::{Diagnosis, Finding, Options, Outcome, diagnose};
 use quell::effects::{Effect, Law};
 use quell::model::Model;
@@ -34,13 +37,7 @@ fn moves(t: f64) -> [f64; 2] {
         (3.2, 0.8, 0.8),
         (4.5, 0.5, -0.5),
     ];
-    let (mut position, mut velocity) = (0.0, 0.0);
-    for (start, duration, way) in all {
-        let s = ((t - start) / duration).clamp(0.0, 1.0);
-        position += way * (s - (TAU * s).sin() / TAU);
-        velocity += way / duration * (1.0 - (TAU * s).cos());
-    }
-    [position, velocity]
+    cycloids(&all, t)
 }
 
 /// Seconds of a recording.

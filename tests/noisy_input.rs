@@ -1,6 +1,9 @@
 //! Joints whose motor encoder is as noisy as the link's: the mode makes the noise of the input seventeen times as loud at its own
 //! frequency. Simulated by this file alone.
 
+mod cycloids;
+
+use cycloids::cycloids;
 use quell::diagnosis::{Diagnosis, Options, Verdict, diagnose};
 use quell::model::Model;
 use quell::recording::{Channel, Recording, Role};
@@ -16,13 +19,7 @@ const NOISE: f64 = 5e-5;
 /// Position and velocity of moves with rest after each.
 fn motor(t: f64) -> [f64; 2] {
     let all = [(1.0, 0.4, 0.6), (4.0, 0.35, -0.8), (7.0, 0.5, 1.1)];
-    let (mut position, mut velocity) = (0.0, 0.0);
-    for (start, duration, way) in all {
-        let s = ((t - start) / duration).clamp(0.0, 1.0);
-        position += way * (s - (TAU * s).sin() / TAU);
-        velocity += way / duration * (1.0 - (TAU * s).cos());
-    }
-    [position, velocity]
+    cycloids(&all, t)
 }
 
 /// The link behind a mode of 6.4 Hz and damping ratio 0.03, ten times as densely sampled as it is recorded.

@@ -5,7 +5,7 @@ use quell::service::contract::{
 };
 use quell::service::following::{FOLLOWED, healthy};
 
-use super::world::{LIMITS, PERIOD, STANDSTILL, WATCHDOG, World, beyond_limits, config};
+use super::world::{LIMITS, PERIOD, STANDSTILL, WATCHDOG, World, config, first_beyond_limits};
 
 fn state(world: &World) -> EnableState {
     world.snapshot().enable.state
@@ -24,9 +24,7 @@ fn moving(data: &std::path::Path) -> World {
 fn stopped(world: &mut World, fault: FaultKind, before: usize) -> f64 {
     world.steps(150);
     let sent = world.sent().split_off(before);
-    for pair in sent.windows(2) {
-        assert_eq!(beyond_limits(pair[0], pair[1], true), None);
-    }
+    assert_eq!(first_beyond_limits(&sent, true), None);
     let (_, last) = world.last().expect("setpoints");
     assert!(last.velocity == 0.0 && last.position < 2.9, "{last:?}");
     let view = world.snapshot().enable.clone();

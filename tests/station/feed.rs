@@ -7,7 +7,9 @@ use quell_shapers::Setpoint;
 use quell_trajectories::Limits;
 
 use super::modes::{go, rest_of, two, world};
-use super::world::{Answered, LIMITS, PERIOD, Sent, World, beyond_limits, config};
+use super::world::{
+    Answered, LIMITS, PERIOD, Sent, World, beyond_limits, config, first_beyond_limits,
+};
 
 fn feed(world: &mut World, percent: f64) {
     world.ask(Request::Feed {
@@ -63,9 +65,7 @@ proptest! {
         until_rest(&mut world, most as usize + 400);
         world.steps(200);
         prop_assert_eq!(world.last().map(|(_, sent)| sent.position), Some(target));
-        for pair in world.sent().windows(2) {
-            prop_assert_eq!(beyond_limits(pair[0], pair[1], timed), None);
-        }
+        prop_assert_eq!(first_beyond_limits(&world.sent(), timed), None);
     }
 }
 
@@ -197,9 +197,7 @@ fn a_turn_at_a_low_feed_follows_the_feed_when_it_rises() {
         crawls.position > -0.5 && last == Setpoint::at_rest(-0.5),
         "{crawls:?} {last:?}"
     );
-    for pair in world.sent().windows(2) {
-        assert_eq!(beyond_limits(pair[0], pair[1], true), None);
-    }
+    assert_eq!(first_beyond_limits(&world.sent(), true), None);
 }
 
 /// Stopped early in a move, a train of negative impulses went beyond the target and the limits.

@@ -2,7 +2,7 @@
 
 use quell::service::contract::{Accepted, Phase, Request, ServiceError};
 
-use super::world::{LIMITS, PERIOD, STANDSTILL, World, beyond_limits, config};
+use super::world::{LIMITS, PERIOD, STANDSTILL, World, config, first_beyond_limits};
 
 /// Seconds after which a hold that is not renewed is over, as the interface says.
 const HELD: f64 = 0.25;
@@ -54,9 +54,7 @@ fn it_moves_while_it_is_held_and_stops_when_nobody_says_so_any_more() {
             .all(|answer| matches!(answer, Err(ServiceError::HoldOver { .. })))
     );
     assert_eq!(world.last().map(|(_, sent)| sent.position), Some(rest));
-    for pair in world.sent().windows(2) {
-        assert_eq!(beyond_limits(pair[0], pair[1], true), None);
-    }
+    assert_eq!(first_beyond_limits(&world.sent(), true), None);
 }
 
 #[test]

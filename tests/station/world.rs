@@ -393,6 +393,12 @@ impl Asked {
     }
 }
 
+/// The first fault of setpoints in succession, in words.
+pub fn first_beyond_limits(sent: &[Sent], timed: bool) -> Option<String> {
+    let mut pairs = sent.windows(2);
+    pairs.find_map(|pair| beyond_limits(pair[0], pair[1], timed))
+}
+
 /// The fault of two setpoints in succession that no plan within the limits makes, in words.
 pub fn beyond_limits(before: Sent, now: Sent, timed: bool) -> Option<String> {
     use quell::service::bridged::bridged;
