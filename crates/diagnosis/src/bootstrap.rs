@@ -21,7 +21,7 @@ use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::found::Found;
-use super::input_error::InputError;
+use super::input_error::drawn;
 use super::normal::{deviations, solve};
 use super::point::{Global, Point};
 use super::problem::Problem;
@@ -29,7 +29,7 @@ use super::search::Search;
 use nalgebra::{DMatrix, DVector};
 use output_noise::OutputNoise;
 use quell_model::effects::ParameterRole;
-use quell_model::{Experiment, Value};
+use quell_model::{Experiment, InputError, Value};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -216,7 +216,7 @@ impl<'a> World<'a> {
     /// One experiment, recorded once more.
     fn experiment(&self, e: usize, random: &mut ChaCha8Rng) -> Experiment {
         let recorded = &self.search.problem.experiments[e];
-        let mut again = match self.input[e].draw(&recorded.input_values, random) {
+        let mut again = match drawn(self.input[e], &recorded.input_values, random) {
             Some(input) => recorded.with_input(input),
             None => recorded.clone(),
         };

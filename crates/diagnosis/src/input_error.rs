@@ -1,64 +1,18 @@
-//! The error of the recorded input: an encoder's rounding, or noise.
+//! Other draws of the error of a recorded input.
 
-use quell_model::Experiment;
-use quell_recording::Role;
-use quell_recording::health::{noise_std, quantum};
+use quell_model::InputError;
 use rand::Rng;
 use rand_distr::StandardNormal;
 use std::ops::Range;
 
-/// Greatest ratio of noise to rounding step at which the rounding explains the noise. A uniform error has `1 /
-/// sqrt 12` of the step, an error that the motion repeats at most half of it.
-const ROUNDED: f64 = 0.5;
-
-/// The part of a recorded input that did not drive the machine.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum InputError {
-    /// Nothing: the machine was given these very numbers.
-    None,
-    /// Rounding to steps of this size.
-    Rounding(f64),
-    /// White noise of this standard deviation.
-    White(f64),
-}
-
-impl InputError {
-    /// The error of an experiment's input. The noise of a force or a current drove the machine, so that only
-    /// the rounding of its record is an error.
-    pub fn of(experiment: &Experiment) -> Self {
-        let values = &experiment.input_values;
-        let noise = noise_std(values).unwrap_or(0.0);
-        let measured = matches!(
-            experiment.input,
-            Role::MotorPosition | Role::LinkPosition | Role::Deformation
-        );
-        match quantum(values) {
-            _ if experiment.input == Role::CommandPosition => Self::None,
-            Some(step) if noise <= ROUNDED * step || !measured => Self::Rounding(step),
-            _ if measured && noise > 0.0 => Self::White(noise),
-            _ => Self::None,
-        }
-    }
-
-    /// Standard deviation of the error where it is white noise.
-    pub fn white(self) -> Option<f64> {
-        match self {
-            Self::White(deviation) => Some(deviation),
-            Self::None | Self::Rounding(_) => None,
-        }
-    }
-
-    /// The input with another draw of this error added; `None` where there is no error.
-    pub fn draw(self, values: &[f64], random: &mut impl Rng) -> Option<Vec<f64>> {
-        match self {
-            Self::None => None,
-            Self::Rounding(step) => Some(rounded_again(values, step, random)),
-            Self::White(noise) => Some(
-                values
-                    .iter()
-                    .map(|u| u + noise * random.sample::<f64, _>(StandardNormal))
-                    .collect(),
-            ),
+/// The input with another draw of an error added; `None` where there is no error.
+pub fn drawn(error: InputError, values: &[f64], random: &mut impl Rng) -> Option<Vec<f64>> {
+    match error {
+        InputError::None => None,
+        InputError::Rounding(step) => Some(rounded_again(values, step, random)),
+        InputError::White(noise) => {
+            let noisy = |u: &f64| u + noise * random.sample::<f64, _>(StandardNormal);
+            Some(values.iter().map(noisy).collect())
         }
     }
 }

@@ -15,10 +15,10 @@
 //! input; Brockwell and Davis, Time Series: Theory and Methods (1991), section 5.2, for the innovations
 //! algorithm.
 
-use super::input_error::InputError;
 use super::point::Point;
 use super::problem::Problem;
 use super::whitening::{Innovation, Whitening};
+use quell_model::InputError;
 
 /// Places of a recording, as shares of its length, at which the response is taken: an error between the nodes
 /// of a smoothed input moves the chain less than one at a node.

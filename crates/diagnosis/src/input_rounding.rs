@@ -14,11 +14,11 @@
 //! Source: Widrow and Kollar, Quantization Noise (2008), chapter 4, for the error; Aitken, Proc. Royal Society of
 //! Edinburgh 55 (1935), for least squares with a covariance.
 
-use super::input_error::{InputError, levels};
+use super::input_error::levels;
 use super::point::Point;
 use super::problem::{Problem, Responses, Rows};
 use nalgebra::{DMatrix, DVector};
-use quell_model::Experiment;
+use quell_model::{Experiment, InputError};
 use std::ops::Range;
 
 /// Variance of a direction, relative to the noise, below which it is ignored: chi-squared is then too large by

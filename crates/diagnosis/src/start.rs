@@ -1,7 +1,6 @@
 //! Unknowns of a recording's start that no sensor measures.
 
 use super::fit::Fitted;
-use super::input_error::InputError;
 use super::problem::Problem;
 use super::projector::Projector;
 use super::thresholds::{LONG, STRONG};
@@ -10,7 +9,7 @@ use quell_model::StartComponent::{
 };
 use quell_model::chain::{MotorSide, RESONANCES};
 use quell_model::effects::Scales;
-use quell_model::{Departure, Experiment, Model, StartComponent};
+use quell_model::{Departure, Experiment, InputError, Model, StartComponent};
 
 /// Components of the start that are free: a free motor side, for example, has an unmeasured velocity.
 pub fn departures(model: &Model, experiments: &[Experiment]) -> Vec<StartComponent> {

@@ -1,7 +1,6 @@
 //! From a recording to an experiment: which channel drives the model, and which ones it predicts.
 
 use super::chain::MotorSide;
-use super::effects::Law;
 use super::experiment::Experiment;
 use super::gain;
 use super::known::{Equation, Known};
@@ -11,27 +10,20 @@ use super::predict::predict_windows;
 use super::windows::windows;
 use super::{Departure, ExperimentError, Model, Term};
 use quell_recording::{Channel, Recording, Role};
-use quell_signal::{integrated_velocity, noise_floor};
-
-/// Refinement at which the error of the integration is negligible beside that of the input.
-const FINER: f64 = 4.0;
+use quell_signal::integrated_velocity;
 
 /// Length of a long step, in normal ones. For a linear chain the classical Runge-Kutta method is exact for
 /// another chain, whose frequency is wrong by `0.5^4 / 120 = 5e-4`: a fit with long steps finds that chain.
-const LONG: f64 = 2.0;
+pub(super) const LONG: f64 = 2.0;
 
 /// Share of a force that its means over the steps may leave out: the typical size of a law of the catalogue.
 const LEFT_OUT: f64 = 0.1;
 
 /// Largest ratio of a knot distance to its nominal value, since knots are samples.
-const LONGEST: f64 = 1.3;
+pub(super) const LONGEST: f64 = 1.3;
 
 /// Largest share of the steps, or samples, that may remain for a reduction to be worth it.
-const SPARED: f64 = 0.7;
-
-/// Difference of two predictions, in standard deviations of a sensor's noise, that is not visible. Its square
-/// is below the scatter of the chi-squared of a million samples.
-const UNSEEN: f64 = 0.1;
+pub(super) const SPARED: f64 = 0.7;
 
 impl Experiment {
     /// The recording as the model sees it; the grid is fine enough for the believed mode.
@@ -123,57 +115,6 @@ impl Experiment {
         }
     }
 
-    /// Smooths an input that was sampled more densely than its motion needs, if no sensor sees the difference:
-    /// friction would stick and slide on the encoder's rounding. The test uses the modes alone, so that a model
-    /// with friction gets the same input as the diagnosis that found the friction.
-    fn smoothen(&mut self, model: &Model) {
-        if self.hold != Hold::Spline {
-            return;
-        }
-        let mut modes = model.terms();
-        modes.retain(|term| matches!((term.effect.law)(&term.values), Law::Resonance(_)));
-        let (short, mut rough) = (RADIANS_A_STEP / self.fastest(model), None);
-        for spacing in [LONG * short, short] {
-            let hold = Hold::Smooth(spacing);
-            let smooth = |step| Grid::new(&self.input_time, &self.input_values, hold, step);
-            let Ok(grid) = smooth(LONGEST * spacing) else {
-                return;
-            };
-            if grid.input.len() as f64 > SPARED * self.input_time.len() as f64 {
-                continue;
-            }
-            let rough = rough.get_or_insert_with(|| self.predicted(model, &modes));
-            let other = |step| {
-                let grid = smooth(step).unwrap_or_else(|_| self.grid.clone());
-                Self {
-                    grid,
-                    hold,
-                    ..self.clone()
-                }
-            };
-            // With steps that are short enough for an error below that of the input.
-            if self.sees_no_difference(rough, &other(short / FINER).predicted(model, &modes)) {
-                *self = other(short);
-                return;
-            }
-        }
-    }
-
-    /// Whether the difference of two predictions is below the sensors' noise.
-    fn sees_no_difference(&self, one: &[Vec<f64>], other: &[Vec<f64>]) -> bool {
-        let pairs = one.iter().zip(other);
-        let mut unseen = self
-            .outputs
-            .iter()
-            .zip(pairs)
-            .map(|(output, (one, other))| {
-                let noise = noise_floor(&output.values).standard_deviation;
-                let square: f64 = one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum();
-                square < (UNSEEN * noise).powi(2) * one.len() as f64
-            });
-        unseen.all(|unseen| unseen)
-    }
-
     /// The same with long steps, halved so many times, for a search that fits the keys with them; `None` where that saves none.
     #[must_use]
     pub fn in_long_steps(&self, model: &Model, halved: i32) -> Option<Self> {
@@ -204,7 +145,7 @@ impl Experiment {
     }
 
     /// The prediction of each output, with the first guess of its clock.
-    fn predicted(&self, model: &Model, terms: &[Term]) -> Vec<Vec<f64>> {
+    pub(super) fn predicted(&self, model: &Model, terms: &[Term]) -> Vec<Vec<f64>> {
         let clocks: Vec<f64> = self.outputs.iter().map(|o| o.clock_offset).collect();
         let start = &[Departure::default()];
         let all = predict_windows(model.kind, &model.keys(), terms, self, start, &clocks);
@@ -212,7 +153,7 @@ impl Experiment {
     }
 
     /// Fastest angular frequency of the chain, rad/s, at the least known inertia, with its coupling.
-    fn fastest(&self, model: &Model) -> f64 {
+    pub(super) fn fastest(&self, model: &Model) -> f64 {
         let own = model.fastest() * hastened(model, self.input, &self.known);
         self.coupling
             .as_ref()

@@ -1,0 +1,63 @@
+//! The error of the recorded input: an encoder's rounding, or noise.
+
+use super::experiment::Experiment;
+use quell_recording::Role;
+use quell_recording::health::{noise_std, quantum};
+
+/// Greatest ratio of noise to rounding step at which the rounding explains the noise. A uniform error has `1 /
+/// sqrt 12` of the step, an error that the motion repeats at most half of it.
+const ROUNDED: f64 = 0.5;
+
+/// The part of a recorded input that did not drive the machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InputError {
+    /// Nothing: the machine was given these very numbers.
+    None,
+    /// Rounding to steps of this size.
+    Rounding(f64),
+    /// White noise of this standard deviation.
+    White(f64),
+}
+
+impl InputError {
+    /// The error of an experiment's input. The noise of a force or a current drove the machine, so that only
+    /// the rounding of its record is an error.
+    pub fn of(experiment: &Experiment) -> Self {
+        let values = &experiment.input_values;
+        let noise = noise_std(values).unwrap_or(0.0);
+        let measured = is_measured_motion(experiment.input);
+        match quantum(values) {
+            _ if experiment.input == Role::CommandPosition => Self::None,
+            Some(step) if noise <= ROUNDED * step || !measured => Self::Rounding(step),
+            _ if measured && noise > 0.0 => Self::White(noise),
+            _ => Self::None,
+        }
+    }
+
+    /// Standard deviation of the error where it is white noise.
+    pub fn white(self) -> Option<f64> {
+        match self {
+            Self::White(deviation) => Some(deviation),
+            Self::None | Self::Rounding(_) => None,
+        }
+    }
+
+    /// Standard deviation of one sample of a measured motion; of a rounded one the greatest, at the edge of a step.
+    pub(super) fn of_motion(experiment: &Experiment) -> Option<f64> {
+        if !is_measured_motion(experiment.input) {
+            return None;
+        }
+        match Self::of(experiment) {
+            Self::None => None,
+            Self::Rounding(step) => Some(0.5 * step),
+            Self::White(deviation) => Some(deviation),
+        }
+    }
+}
+
+fn is_measured_motion(input: Role) -> bool {
+    matches!(
+        input,
+        Role::MotorPosition | Role::LinkPosition | Role::Deformation
+    )
+}
