@@ -11,6 +11,7 @@ mod skipped;
 mod atlas;
 mod blocks;
 mod commands;
+mod evidence;
 mod links;
 mod lists;
 mod markdown;
