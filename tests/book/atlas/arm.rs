@@ -1,7 +1,7 @@
 //! The two machines of the atlas in a standard motion, with an effect in them or without.
 
 use nalgebra::{DMatrix, DVector};
-use quell::effects::{Coordinate, EFFECTS, Effect, Place, Scales, Visited};
+use quell::effects::{Coordinate, EFFECTS, Effect, Law, Place, Scales, Visited};
 use quell::model::{Departure, Experiment, Model, Term, simulate};
 use quell::recording::{Channel, Recording, Role};
 use std::f64::consts::TAU;
@@ -151,11 +151,23 @@ impl Arm {
 
     /// The effect at its typical size.
     pub fn typical(&self, (effect, place): (&'static Effect, Place)) -> Term {
-        let values = effect
-            .parameters
-            .iter()
-            .map(|own| (own.typical)(&self.scales));
-        Term::new(effect, place, values.collect())
+        let sized = |scales: &Scales| {
+            let values = effect.parameters.iter().map(|own| (own.typical)(scales));
+            Term::new(effect, place, values.collect())
+        };
+        let term = sized(&self.scales);
+        match (effect.law)(&term.values) {
+            // What depends on the past of its input gets the recorded one: under a loop the command, and not the force.
+            Law::Drive(drive) if !drive.is_static() => {
+                let input = &self.sensors[0].input_values;
+                let input = input.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+                sized(&Scales {
+                    input,
+                    ..self.scales.clone()
+                })
+            }
+            _ => term,
+        }
     }
 
     /// What a sensor shows for values of the keys and effects.
@@ -251,7 +263,7 @@ fn scales(model: &Model, experiment: &Experiment) -> Scales {
         } else {
             largest(deformation)
         },
-        // Under a loop the drive is given a force.
+        // Under a loop a static law of the drive is given a force.
         input: if rigid { largest(force) } else { 0.5 },
         natural_frequency: frequency * TAU,
         damping_ratio,

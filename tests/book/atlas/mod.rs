@@ -66,6 +66,12 @@ fn the_atlas_is_what_the_simulation_says() {
     let mute = entries.iter().filter(|own| own.symptoms.is_empty());
     let mute: Vec<&str> = mute.map(|own| own.term.effect.name).collect();
     assert!(mute.is_empty(), "no symptom leads to {mute:?}");
+    let idle = entries.iter().filter(|own| own.seen.misfit.amax() == 0.0);
+    let idle: Vec<&str> = idle.map(|own| own.term.effect.name).collect();
+    assert!(
+        idle.is_empty(),
+        "{idle:?} do not act in the standard motion"
+    );
     let folder = root().join("docs/src/atlas");
     let mut stale = Vec::new();
     keep(
