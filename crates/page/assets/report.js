@@ -8,6 +8,8 @@
   const DASHES = [[], [8, 4], [2, 3]];
   // The same as styles of a border.
   const BORDERS = ["solid", "dashed", "dotted"];
+  // Pixels of the abscissa's name and of its ticks, and what both take of a chart's height with the margin above.
+  const NAME = 22, TICKS = 30, BELOW = NAME + TICKS + 8;
 
   // As many digits as tell neighbours on an axis apart; powers of ten where they are shorter.
   function tidy(value, digits) {
@@ -32,15 +34,23 @@
     return Math.ceil(axis.ticks.size + axis.gap + 6 + u.ctx.measureText(longest).width / devicePixelRatio);
   }
 
-  function axis(spec, vertical) {
+  // Whether the name of the ordinate fits along it; one that is longer stands above the chart.
+  function fits(name, height) {
+    const { ctx } = fits;
+    ctx.font = `13px ${family()}`;
+    return ctx.measureText(name).width <= height - BELOW;
+  }
+  fits.ctx = document.createElement("canvas").getContext("2d");
+
+  function axis(spec, vertical, label) {
     const font = `12px ${family()}`;
     const made = {
-      label: withUnit(spec), labelFont: `13px ${family()}`, font, labelSize: 22, labelGap: 2, gap: 4,
+      label, labelFont: `13px ${family()}`, font, labelSize: NAME, labelGap: 2, gap: 4,
       stroke: colour("quiet"), grid: { stroke: colour("grid"), width: 1 },
       ticks: { stroke: colour("line"), width: 1, size: 5 },
-      values: (u, splits) => splits.map((v) => (v == null ? "" : tidy(v, 6))),
+      values: (u, splits) => splits.map((v) => (v == null ? "" : tidy(v, spec.log ? 3 : 6))),
     };
-    made.size = vertical ? labelRoom : 30;
+    made.size = vertical ? labelRoom : TICKS;
     if (!vertical) made.space = 72;
     return made;
   }
@@ -207,7 +217,17 @@
       });
       ctx.textBaseline = "middle";
       const edges = { left: bbox.left, right: ctx.canvas.width };
-      if (numbered) for (const { words, at } of placed(dots, zero, edges, px)) ctx.fillText(words, ...at);
+      if (numbered) for (const { words, at, led } of placed(dots, zero, edges, px)) {
+        ctx.globalAlpha = 1;
+        ctx.fillText(words, ...at);
+        if (!led) continue;
+        ctx.globalAlpha = 0.6;
+        ctx.lineWidth = px;
+        ctx.beginPath();
+        ctx.moveTo(...led[0]);
+        ctx.lineTo(...led[1]);
+        ctx.stroke();
+      }
       ctx.restore();
     };
   }
@@ -219,7 +239,7 @@
     for (const s of chart.series) {
       const one = {
         label: s.name, stroke: () => stroke(s), width: 1.75, value: measured(chart.y),
-        dash: DASHES[Math.floor(s.colour / 7) % 3], points: { show: false },
+        dash: chart.series.length > 1 ? DASHES[Math.floor(s.colour / 7) % 3] : DASHES[0], points: { show: false },
       };
       if (s.kind === "broad") Object.assign(one, { width: 6, stroke: () => stroke(s) + "90" });
       if (s.kind === "points") Object.assign(one, { paths: () => null, points: { show: true, size: s.x.length > 400 ? 3 : 6, fill: stroke(s) } });
@@ -242,13 +262,22 @@
     const hooks = { drawClear: [shade(chart)], draw: [annotate(chart)], setCursor: [reads] };
     if (chart.kind === "stems") hooks.draw.unshift(stems(chart));
     const width = root.dataset.paper ? 680 : host.clientWidth;
+    const height = Math.round(Math.max(230, Math.min(360, width * 0.45)));
+    const upright = withUnit(chart.y), beside = fits(upright, height);
+    host.replaceChildren();
+    if (!beside) {
+      const above = document.createElement("p");
+      above.className = "upright";
+      above.textContent = upright;
+      host.append(above);
+    }
     return new uPlot({
-      width, height: Math.round(Math.max(230, Math.min(360, width * 0.45))),
+      width, height,
       scales: {
         x: { time: false, distr: chart.x.log ? 3 : 1, range: xRange(chart.x, chart.kind === "stems") },
         y: { distr: chart.y.log ? 3 : 1, range: yRange(chart.y, chart.levels, chart.shades, chart.kind === "stems") },
       },
-      axes: [axis(chart.x, false), axis(chart.y, true)],
+      axes: [axis(chart.x, false, withUnit(chart.x)), axis(chart.y, true, beside ? upright : null)],
       series: made, bands, hooks,
       cursor: { focus: { prox: 24 }, sync: shared(chart), drag: { setScale: true, x: true, y: false } },
       focus: { alpha: 0.35 },

@@ -21,7 +21,7 @@ pub(super) fn json_number(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "null".into();
     }
-    let rounded = round(value, digits);
+    let rounded = self::digits(value, digits);
     let (plain, scientific) = (format!("{rounded}"), format!("{rounded:e}"));
     if plain.len() <= scientific.len() {
         plain
@@ -44,7 +44,7 @@ pub fn number(value: f64) -> String {
     if !value.is_finite() {
         return "–".into();
     }
-    let rounded = round(value, 4);
+    let rounded = digits(value, 4);
     let size = rounded.abs();
     if size != 0.0 && !(1e-4..1e6).contains(&size) {
         return format!("{rounded:e}").replace('-', "\u{2212}");
@@ -92,9 +92,15 @@ pub fn decimals_beside(std: f64, least: usize) -> usize {
     }
 }
 
-fn round(value: f64, digits: usize) -> f64 {
+/// `value` to so many significant digits, at least one.
+///
+/// # Example
+/// ```
+/// assert_eq!(quell_page::digits(0.00050476, 3), 0.000505);
+/// ```
+pub fn digits(value: f64, count: usize) -> f64 {
     // Adding zero turns a negative zero into zero.
-    format!("{value:.*e}", digits - 1)
+    format!("{value:.*e}", count.saturating_sub(1))
         .parse::<f64>()
         .unwrap_or(value)
         + 0.0

@@ -59,6 +59,9 @@ pub struct Table {
     note: Option<String>,
 }
 
+/// Most characters of a cell that is not broken into lines, as of an interval or of a place.
+const SHORT: usize = 16;
+
 #[derive(Clone, Debug, PartialEq)]
 struct Column {
     name: String,
@@ -123,23 +126,35 @@ impl Table {
 
     pub(super) fn render(&self, colour: &dyn Fn(&str) -> Option<usize>) -> Markup {
         html! {
-            div.sheet {
-                table {
-                    caption { (self.title) }
-                    thead { tr { @for column in &self.columns { (column.render()) } } }
-                    tbody { @for row in &self.rows { (self.render_row(row, colour)) } }
+            figure.sheet {
+                figcaption { (self.title) }
+                div.wide {
+                    table {
+                        thead { tr { @for column in &self.columns { (column.render()) } } }
+                        tbody { @for row in &self.rows { (self.render_row(row, colour)) } }
+                    }
                 }
                 @if let Some(note) = &self.note { p.note { (note) } }
             }
         }
     }
 
+    /// Numbers are set to the right. A few words beyond the first column stay on one line.
+    fn class(&self, index: usize, row: &Row) -> Option<&'static str> {
+        let own = self.columns.get(index).and_then(Column::class);
+        let is_short = match row.cells.get(index) {
+            Some(Cell::Text(text)) => index > 0 && text.chars().count() <= SHORT,
+            _ => false,
+        };
+        own.or(is_short.then_some("short"))
+    }
+
     fn render_row(&self, row: &Row, colour: &dyn Fn(&str) -> Option<usize>) -> Markup {
         let own = |index: usize, text: &str| (index == 0).then(|| colour(text)).flatten();
         html! {
             tr class=[row.marked.then_some("marked")] {
-                @for (index, column) in self.columns.iter().enumerate() {
-                    td class=[column.class()] {
+                @for index in 0..self.columns.len() {
+                    td class=[self.class(index, row)] {
                         @match row.cells.get(index) {
                             Some(Cell::Link { text, file }) => { a href=(file) { (text) } }
                             Some(Cell::Text(text)) => {

@@ -17,7 +17,7 @@ pub fn section(page: Page, case: &Case) -> Page {
         Verdict::PartlyExplained => format!(
             "That is not all: what is left is {left}. It could be given to none of the effects that were tried."
         ),
-        _ => format!("What is left on moves that were not fitted to: {left}."),
+        _ => format!("What is left on the held-out data: {left}."),
     });
     let alone = happened::left_alone(case);
     let alone = alone.map(|alone| format!("{}.", words::capital(&alone)));
@@ -49,7 +49,7 @@ pub fn set(page: Page, case: &Case) -> Page {
         page = atlas::pages(page, case, finding);
     }
     page.text(format!(
-        "With {} what is left on moves that were not fitted to is {}.",
+        "With {} what is left on the held-out data is {}.",
         case.findings(),
         head::left(case)
     ))
@@ -142,8 +142,8 @@ pub fn unknown(page: Page, case: &Case) -> Page {
     }
     let look = location.place.as_deref().and_then(words::look);
     let tried = "The whole catalogue was compared with it, and the closest effects were fitted. None brings the \
-                 misfit down to the noise on moves that it was not fitted to. The model is as it was, with its own \
-                 parameters refitted.";
+                 misfit down to the noise on the held-out data. The model is as it was, with its own parameters \
+                 refitted.";
     page = page.text(tried);
     match look {
         Some(look) => page.text(look),
@@ -164,7 +164,8 @@ fn explained(page: Page, case: &Case, finding: &Finding) -> Page {
     let page = law::section(page, case, finding);
     let page = match finding.evidence.is_empty() {
         true => page,
-        false => page.text(finding.evidence.clone()),
+        // Its log evidence says something beside that of another explanation only: it is in diagnosis.json.
+        false => page.text(words::sentences(&finding.evidence, 1)),
     };
     let page = match case.diagnosis.may_be_absent(finding) {
         true => page.text(format!(
@@ -194,7 +195,6 @@ fn means(page: Page, case: &Case, effect: &str) -> Page {
 
 fn table(page: Page, case: &Case) -> Page {
     let mut table = Table::new("Parameters")
-        .text_column("effect")
         .text_column("parameter")
         .column("value", "")
         .column("95 % interval", "")
@@ -205,8 +205,12 @@ fn table(page: Page, case: &Case) -> Page {
             let shown = case.shown(&finding.effect, parameter);
             rows += 1;
             table = table.row([
-                words::capital(&case.title(&finding.effect)).into(),
-                case.parameter(finding, &parameter.name).into(),
+                format!(
+                    "{}: {}",
+                    words::capital(&case.title(&finding.effect)),
+                    case.parameter(finding, &parameter.name)
+                )
+                .into(),
                 shown.quoted(parameter.value, parameter.ci95).into(),
                 shown.interval(parameter.ci95).into(),
                 shown.unit.into(),

@@ -1,10 +1,9 @@
 //! The top of the page: the verdict and the key figures.
 
 use super::case::Case;
-use super::shown::digits;
 use super::{law, words};
 use quell_diagnosis::{Finding, Fit, Quality, Verdict};
-use quell_page::{self as html, Figure, Page, fixed, number};
+use quell_page::{self as html, Figure, Page, digits, fixed, number};
 
 /// Title, verdict in one sentence, key figures.
 pub fn head(case: &Case, model_name: &str, recording_names: &[String]) -> Page {
@@ -82,7 +81,7 @@ fn over_noise(case: &Case) -> Figure {
     let fit = &case.diagnosis.fit;
     let [before, after] = [&fit.before, &fit.after].map(|quality| times(ratio_of(quality, fit)));
     let value = arrow(before, after, case.has_after());
-    Figure::text("misfit, times the noise", value).note("1 is noise alone; on moves not fitted to")
+    Figure::text("misfit, times the noise", value).note("1 is noise alone; on the held-out data")
 }
 
 /// A ratio with two decimals, one from ten on, none from a hundred on.

@@ -155,7 +155,7 @@ fn over_time(case: &Case, chart: Chart, trace: &OutputTrace, name: &str, model: 
 fn held_out(chart: Chart, trace: &OutputTrace) -> Chart {
     let all = trace.held_out.iter().enumerate();
     all.fold(chart, |chart, (index, &[from, to])| {
-        let label = if index == 0 { "not fitted to" } else { "" };
+        let label = if index == 0 { "held out" } else { "" };
         chart.shade_x(from, to, label)
     })
 }

@@ -1,9 +1,8 @@
 //! The next move, which separates explanations.
 
 use super::case::Case;
-use super::shown::digits;
 use quell_diagnosis::{NextMove, ProposedMove};
-use quell_page::{Page, Table};
+use quell_page::{Page, Table, digits};
 
 /// The next move, if there is one.
 pub fn section(page: Page, case: &Case) -> Page {

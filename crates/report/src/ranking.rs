@@ -1,10 +1,9 @@
 //! The ranking of the considered explanations.
 
 use super::case::Case;
-use super::shown::digits;
 use super::{head, words};
 use quell_diagnosis::{Finding, Verdict};
-use quell_page::{Bars, Page, Table, fixed, number};
+use quell_page::{Bars, Page, Table, digits, fixed, number};
 
 /// Most candidates that are drawn, and that are listed.
 const DRAWN: usize = 10;
@@ -78,7 +77,7 @@ fn bars(case: &Case) -> Bars {
     let percent: Vec<_> = percent.collect();
     let fit = &case.diagnosis.fit;
     let floor = digits(100.0 / head::ratio_of(&fit.before, fit).powi(2), 2);
-    let title = "What each explanation leaves of the misfit, on moves that it was not fitted to";
+    let title = "What each explanation leaves of the misfit on the held-out data";
     let bars = Bars::new(title, "%", names)
         .series("left", &percent)
         .up_to(CUT)
@@ -96,20 +95,24 @@ fn bars(case: &Case) -> Bars {
 
 fn table(case: &Case) -> Table {
     let candidates = &case.diagnosis.candidates;
+    let logs = candidates.iter().map(|one| one.log_evidence);
+    let best = logs.fold(f64::NEG_INFINITY, f64::max);
     let mut table = Table::new("The ranking")
         .text_column("explanation")
-        .text_column("place")
-        .column("log evidence", "")
         .column("probability", "%")
-        .column("held-out ratio", "");
+        .column("held-out ratio", "")
+        .column("log evidence, less the best", "")
+        .text_column("place");
     for one in candidates.iter().take(LISTED) {
         let name = words::capital(&case.title(&one.effect));
         table = table.row([
             name.into(),
-            one.place.clone().into(),
-            fixed(one.log_evidence, 1).replace('-', "\u{2212}").into(),
             words::percent(one.probability).into(),
-            one.held_out_ratio.into(),
+            digits(one.held_out_ratio, 3).into(),
+            fixed(one.log_evidence - best, 1)
+                .replace('-', "\u{2212}")
+                .into(),
+            one.place.clone().into(),
         ]);
         if words::in_set(case.diagnosis, &one.effect) {
             table = table.marked();
@@ -121,9 +124,9 @@ fn table(case: &Case) -> Table {
         rest => format!(" {rest} more are in diagnosis.json."),
     };
     table.note(format!(
-        "Log evidence: the natural logarithm of the marginal likelihood over that of the refitted model; a difference \
-         of 3 is odds of 20 to 1, of 5 of 150 to 1. Probability: among the explanations that were looked at. Held-out \
-         ratio: chi-squared on moves not fitted to, over that of the refitted model.{more}"
+        "Log evidence: the natural logarithm of the marginal likelihood. A difference of 3 is odds of 20 to 1, of 5 of \
+         150 to 1. Probability: among the explanations that were looked at. Held-out ratio: chi-squared on the held-out \
+         data, over that of the refitted model.{more}"
     ))
 }
 
@@ -133,8 +136,8 @@ pub fn nothing(page: Page, case: &Case) -> Page {
     let closest = match case.diagnosis.candidates.first() {
         None => "None of them was worth a fit.".into(),
         Some(best) => format!(
-            "What came closest, {}, was fitted; it leaves {} % of the misfit on moves that it was not \
-             fitted to, and what is left is noise.",
+            "What came closest, {}, was fitted; it leaves {} % of the misfit on the held-out \
+             data, and what is left is noise.",
             case.title(&best.effect),
             number(digits(100.0 * best.held_out_ratio, 3)),
         ),

@@ -1,6 +1,6 @@
 //! Numbers for display, in preferred units.
 
-use quell_page::number;
+use quell_page::{digits, number};
 use quell_recording::Preferred;
 
 /// Display unit of values.
@@ -45,12 +45,6 @@ impl Shown {
         let [low, high] = interval.map(|edge| self.quoted(edge, interval));
         format!("{low} to {high}")
     }
-}
-
-/// `value` to so many significant digits.
-pub fn digits(value: f64, count: usize) -> f64 {
-    let rounded = format!("{value:.*e}", count.saturating_sub(1));
-    rounded.parse().unwrap_or(value)
 }
 
 /// `value` to two significant digits of `spread`, with trailing zeros.

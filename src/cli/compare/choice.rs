@@ -1,4 +1,4 @@
-//! The recommended shaper, with the reason in a sentence.
+//! The recommended shaper, with the reason in sentences.
 
 use super::candidate::Candidate;
 use crate::cli::CliError;
@@ -36,7 +36,7 @@ pub type Figures = quell_shapers::Candidate;
 pub struct Choice {
     /// The shaper and its figures.
     pub figures: Figures,
-    /// The reason, in a sentence.
+    /// The reason, in sentences.
     pub reason: String,
     /// Delay that it adds to the end of a move on the controller's grid, s.
     pub delay: f64,
@@ -106,14 +106,14 @@ fn pick(
             let name = found.best.shaper.name();
             let left = percent(least.worst_95);
             let why =
-                format!("{name} would be taken, but {refusal}; of the others it leaves least");
+                format!("{name} would be taken, but {refusal}. Of the others it leaves least");
             (least, delay, format!("{why}, up to {left}"))
         }
     };
     let name = figures.shaper.name();
     Some(Choice {
         figures,
-        reason: format!("{name}, which adds {delay:.3} s: {why}, {known}."),
+        reason: format!("{name}, which adds {delay:.3} s. {why}. This holds {known}."),
         delay,
     })
 }
@@ -133,7 +133,7 @@ fn delay_on_grid(
     }
 }
 
-/// The reason for the choice, as a clause.
+/// The reason for the choice, a sentence without its full stop.
 fn reason(found: &Recommendation, wish: Wish) -> String {
     let best = &found.best;
     let (left, acceptable) = (percent(best.worst_95), percent(wish.acceptable));
@@ -143,17 +143,17 @@ fn reason(found: &Recommendation, wish: Wish) -> String {
     };
     let holds = best.worst_95 <= wish.acceptable;
     match found.reason {
-        Reason::OnlyOne => format!("the only one{within}; it leaves up to {left}"),
+        Reason::OnlyOne => format!("It is the only one{within}, and leaves up to {left}"),
         Reason::LeavesLeast if !holds => {
-            format!("none{within} leaves at most {acceptable}; it leaves least, up to {left}")
+            format!("None{within} leaves at most {acceptable}. It leaves least, up to {left}")
         }
         Reason::ShorterAndAsGood(least) => {
             let name = least.shaper.name();
-            format!("up to {left}, as little as {name}, which is longer")
+            format!("It leaves up to {left}, as little as {name}, which is longer")
         }
         Reason::LeavesLeast | Reason::ShortestAcceptable => {
             let shorter = shorter(found);
-            format!("the shortest{within} that leaves at most {acceptable} ({left}{shorter})")
+            format!("It is the shortest{within} that leaves at most {acceptable}: {left}{shorter}")
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::print::{describe, percent_label};
 use super::{Comparison, ERRORS, errors};
-use crate::page::{Cell, Chart, Figure, Page, Table, Verdict};
+use crate::page::{Cell, Chart, Figure, Page, Table, Verdict, digits};
 
 /// The page: advice first, then table, curves and trains.
 pub fn page(comparison: &Comparison) -> Page {
@@ -22,8 +22,12 @@ pub fn page(comparison: &Comparison) -> Page {
             .figure(Figure::text("recommended", choice.figures.shaper.title()))
             .figure(Figure::new("delay", choice.delay, "s").note("added to the end of a move"))
             .figure(
-                Figure::new("residual vibration", 100.0 * choice.figures.worst_95, "%")
-                    .note("of the unshaped; below that with 95 % probability"),
+                Figure::new(
+                    "residual vibration",
+                    digits(100.0 * choice.figures.worst_95, 3),
+                    "%",
+                )
+                .note("of the unshaped; below that with 95 % probability"),
             ),
         None => page.verdict(Verdict::Bad, super::NO_CHOICE),
     };
@@ -34,7 +38,7 @@ pub fn page(comparison: &Comparison) -> Page {
     if comparison.unshaped.is_some() {
         page = page.table(simulated(comparison));
     }
-    let note = |page: Page, remark: &String| page.text(format!("{remark}."));
+    let note = |page: Page, remark: &String| page.text(format!("Note: {remark}."));
     comparison.remarks.iter().fold(page, note)
 }
 
@@ -80,8 +84,9 @@ fn figures(comparison: &Comparison) -> Table {
     table.note(
         "Amplitude that the shaped command leaves over what the unshaped one leaves, each at its \
          own end, where the machine's frequency is that much above or below the believed one. \
-         95 %: below that with 95 % probability, as well as the modes are known. Insensitivity: width of the band with at most 5 %, over the frequency. Gain: sum of the \
-         amplitudes' absolute values; above 1, velocity and acceleration can exceed the command's.",
+         95 %: the vibration is below that with 95 % probability, as well as the modes are known. Insensitivity: width \
+         of the band of frequencies with at most 5 %, over the frequency. Gain: sum of the amplitudes' absolute values; \
+         above 1, velocity and acceleration can exceed the command's.",
     )
 }
 
@@ -91,7 +96,7 @@ fn simulated(comparison: &Comparison) -> Table {
     let row = |name: &str, values: &[f64]| {
         let cells = [name.into()]
             .into_iter()
-            .chain(values.iter().map(|value| (*value).into()));
+            .chain(values.iter().map(|value| digits(*value, 3).into()));
         cells.collect::<Vec<Cell>>()
     };
     if let Some(unshaped) = &comparison.unshaped {
@@ -143,7 +148,7 @@ fn train(comparison: &Comparison) -> Option<Chart> {
     let chart = chart.series(shaper.name(), &time, &amplitude);
     Some(
         chart.note(
-            "A number without room is in the legend under the cursor; quell shape prints all.",
+            "Each number is the amplitude of a tap. quell shape prints times and amplitudes.",
         ),
     )
 }
