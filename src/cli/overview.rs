@@ -2,7 +2,7 @@
 
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::effects::Catalogue;
-use crate::page::{self, Cell, Table, columns, number};
+use crate::page::{self, Cell, Table, columns, digits, number};
 
 /// One diagnosis of several, or the reason why it is absent.
 pub struct Line {
@@ -105,7 +105,10 @@ impl Overview {
                 ),
             ),
             _ => {
-                let more = if some > LISTED { ", ..." } else { "" };
+                let more = match some.saturating_sub(LISTED) {
+                    0 => String::new(),
+                    more => format!(" and {more} more"),
+                };
                 let names = names.join(", ");
                 (
                     page::Verdict::Bad,
@@ -171,8 +174,8 @@ impl Overview {
             .text_column(self.noun)
             .text_column("verdict")
             .text_column("missing")
-            .column("misfit", "noise")
-            .column("with it", "noise");
+            .column("misfit", "times the noise")
+            .column("with it", "times the noise");
         for line in &self.lines {
             let name = match &line.report {
                 Some(file) => Cell::Link {
@@ -184,10 +187,10 @@ impl Overview {
             table = match &line.told {
                 Ok(told) => table.row([
                     name,
-                    told.verdict.name().into(),
+                    told.verdict.name().replace('_', " ").into(),
                     told.found().into(),
-                    told.before.into(),
-                    told.after.into(),
+                    digits(told.before, 3).into(),
+                    digits(told.after, 3).into(),
                 ]),
                 Err(why) => table.row([name, "set aside".into(), why.clone().into()]),
             };

@@ -4,7 +4,7 @@ use super::{Findings, registrations, words};
 use crate::estimators::offline::amplitude_spectrum;
 use crate::estimators::{ESTIMATORS, Estimate};
 use crate::identification::{OffLine, Recommended, Run};
-use crate::page::{Chart, Figure, Page, Table, Verdict, fixed, number};
+use crate::page::{Chart, Figure, Page, Table, Verdict, decimals_beside, digits, fixed, number};
 use quell_shapers::UncertainMode;
 
 const TAU: f64 = core::f64::consts::TAU;
@@ -54,17 +54,23 @@ fn headline(page: Page, findings: &Findings, best: &Recommended) -> Page {
         natural_frequency_std,
         damping_ratio_std,
     } = best.mode;
-    let frequency = Figure::new("natural frequency", mode.hertz(), "Hz");
-    let damping = Figure::new("damping ratio", mode.damping_ratio(), "");
+    let beside = |value: f64, std: f64| format!("{value:.*}", decimals_beside(std, 2));
+    let (hertz, hertz_std) = (mode.hertz(), natural_frequency_std / TAU);
+    let frequency = Figure::text("natural frequency", beside(hertz, hertz_std)).unit("Hz");
+    let damping = beside(mode.damping_ratio(), damping_ratio_std);
+    let damping = Figure::text("damping ratio", damping);
     let mut page = page
         .verdict(Verdict::Good, words::recommended(findings, best))
-        .figure(frequency.note(format!("± {}", two_digits(natural_frequency_std / TAU))))
+        .figure(frequency.note(format!(
+            "± {} (one standard deviation)",
+            two_digits(hertz_std)
+        )))
         .figure(damping.note(format!("± {}", two_digits(damping_ratio_std))));
     let line = ESTIMATORS.iter().position(|line| line.name == best.method);
     let run = line.and_then(|line| findings.found.quoted(line));
     let result = run.and_then(|run| run.estimator(best.method));
     if let Some(periods) = result.and_then(|result| result.periods) {
-        page = page.figure(Figure::new("to converge", periods, "periods"));
+        page = page.figure(Figure::new("to converge", digits(periods, 2), "periods"));
     }
     if let Some(fit) = findings.found.reference().batch() {
         let off = 100.0 * (mode.hertz() / fit.mode.hertz() - 1.0);

@@ -241,7 +241,7 @@ pub fn learned(comparison: &Comparison) -> String {
     let (std, damping_std) = (learned.frequency_std(), learned.estimate.damping_ratio_std);
     let [hertz, damping] = [decimals_beside(std, 3), decimals_beside(damping_std, 4)];
     format!(
-        "Estimated {:.hertz$} +- {std:.hertz$} Hz, damping {:.damping$} +- {damping_std:.damping$}; {when}.\n{truth}\n{}",
+        "Estimated {:.hertz$} ± {std:.hertz$} Hz (one standard deviation), damping ratio {:.damping$} ± {damping_std:.damping$}; {when}.\n{truth}\n{}",
         learned.estimate.mode.hertz(),
         learned.estimate.mode.damping_ratio(),
         next.map(taught).unwrap_or_default(),

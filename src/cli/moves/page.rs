@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use super::document::{self, Learned, SETTLED};
 use crate::closed_loop::{Comparison, MoveKind, MoveTrace, Scenario, Tick};
-use crate::page::{Bars, Chart, Figure, Page, Table, Verdict, decimals_beside, number};
+use crate::page::{Bars, Chart, Figure, Page, Table, Verdict, decimals_beside, digits, number};
 use crate::recording::Role;
 use crate::signal::{CubicSpline, End, Window, spectrum};
 
@@ -63,8 +63,8 @@ fn sentence(comparison: &Comparison) -> String {
     let whole = |kind| comparison.whole_ratio(kind) * 100.0;
     format!(
         "After the move the adaptive shaper leaves {:.1} % of the unshaped vibration on the first move and {:.1} % on \
-         the next. The shaper of the wrong belief leaves {:.0} %. Over the whole move, without the planned \
-         acceleration, they leave {:.1} %, {:.1} % and {:.0} %.",
+         the next. The shaper of the wrong belief leaves {:.0} %. The whole move, wherever the plan does not accelerate, \
+         has at most {:.1} %, {:.1} % and {:.0} %.",
         percent(MoveKind::AdaptiveFirst),
         percent(MoveKind::AdaptiveNext),
         percent(MoveKind::WrongBelief),
@@ -89,9 +89,9 @@ fn figures(comparison: &Comparison) -> Vec<Figure> {
     let mut figures = vec![
         Figure::text(
             "left after the next move",
-            format!("{:.4}", next.residual() * 1e3),
+            number(digits(next.residual() * 1e6, 3)),
         )
-        .unit("mm")
+        .unit("um")
         .note(format!("{:.2} mm unshaped", unshaped.residual() * 1e3)),
         Figure::text("settled after", settled(next))
             .note(format!("{} unshaped, to 0.05 mm", settled(unshaped))),
@@ -100,8 +100,11 @@ fn figures(comparison: &Comparison) -> Vec<Figure> {
     if let Some(learned) = Learned::from(comparison) {
         let std = learned.frequency_std();
         let hertz = decimals_beside(std, 3);
-        let text = format!("{:.hertz$} ± {std:.hertz$}", learned.estimate.mode.hertz());
-        let truth = format!("{:.3} Hz in truth", comparison.truth.hertz());
+        let text = format!("{:.hertz$}", learned.estimate.mode.hertz());
+        let truth = format!(
+            "± {std:.hertz$}; {:.3} Hz in truth",
+            comparison.truth.hertz()
+        );
         figures.push(
             Figure::text("frequency learned", text)
                 .unit("Hz")
@@ -128,10 +131,10 @@ fn table(comparison: &Comparison) -> Table {
     for (kind, trace) in comparison.moves() {
         table = table.row([
             words(kind).into(),
-            (trace.residual() * 1e3).into(),
-            (comparison.ratio(kind) * 100.0).into(),
-            (trace.vibration() * 1e3).into(),
-            (comparison.whole_ratio(kind) * 100.0).into(),
+            digits(trace.residual() * 1e3, 3).into(),
+            digits(comparison.ratio(kind) * 100.0, 3).into(),
+            digits(trace.vibration() * 1e3, 3).into(),
+            digits(comparison.whole_ratio(kind) * 100.0, 3).into(),
             trace.settling_time(SETTLED).into(),
             comparison.added_delay(kind).into(),
             trace.final_error().into(),
@@ -147,11 +150,11 @@ fn table(comparison: &Comparison) -> Table {
 fn bars(comparison: &Comparison) -> Bars {
     let residuals: Vec<f64> = comparison
         .moves()
-        .map(|(_, trace)| trace.residual() * 1e3)
+        .map(|(_, trace)| digits(trace.residual() * 1e3, 3))
         .collect();
     let whole: Vec<f64> = comparison
         .moves()
-        .map(|(_, trace)| trace.vibration() * 1e3)
+        .map(|(_, trace)| digits(trace.vibration() * 1e3, 3))
         .collect();
     let names = comparison.moves().map(|(kind, _)| words(kind));
     Bars::new("Vibration at the tip", "mm", names)

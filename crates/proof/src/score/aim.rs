@@ -51,13 +51,13 @@ impl Aim {
     }
 }
 
-/// As `>= 98 %`.
+/// As `≥ 98 %`.
 impl fmt::Display for Aim {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::None => Ok(()),
-            Self::AtLeast(least) => write!(f, ">= {least} %"),
-            Self::AtMost(most) => write!(f, "<= {most} %"),
+            Self::AtLeast(least) => write!(f, "≥ {least} %"),
+            Self::AtMost(most) => write!(f, "≤ {most} %"),
             Self::Within([low, high]) => write!(f, "{low}-{high} %"),
         }
     }

@@ -20,8 +20,8 @@ impl Score {
             Verdict::Bad
         };
         let sentence = format!(
-            "Right in {} of {} concealed cases: the family named, silence where nothing is hidden, \
-             doubt where no catalogue helps.",
+            "Right in {} of {} concealed cases. Right means: the family of what is hidden is named, nothing is told where \
+             nothing is hidden, and the mismatch is left open where the catalogue does not hold its cause.",
             right.right, right.of
         );
         let page = Page::new("Diagnosis of concealed cases")
@@ -53,7 +53,7 @@ impl Score {
         let lines = self
             .lines()
             .into_iter()
-            .filter(|line| wanted.contains(&line.key));
+            .filter(|line| wanted.contains(&line.key) && line.rate.of > 0);
         let rates =
             lines.map(|line| Figure::text(line.name, line.rate.share()).note(line.rate.count()));
         let spreads = self.spreads();
@@ -147,21 +147,22 @@ impl Score {
             let edge = |bin: &Bin| bin.so.interval()[edge];
             bins.iter().map(edge).collect::<Vec<_>>()
         });
-        Chart::lines("What was said, and what was so", "said", "%", "so", "%")
-            .series("as it should be", &[0.0, 100.0], &[0.0, 100.0])
-            .band("so", "95 % interval", &said, &low, &high)
-            .points("so", &said, &so)
+        let title = "Are the probabilities right?";
+        Chart::lines(title, "probability that was told", "%", "findings that are true", "%")
+            .series("exactly right", &[0.0, 100.0], &[0.0, 100.0])
+            .band("true", "95 % interval", &said, &low, &high)
+            .points("true", &said, &so)
             .x_range(0.0, 100.0)
             .y_range(0.0, 100.0)
-            .note("One point a bin. Above the line the diagnosis is too modest, below it too sure.")
+            .note("Each point stands for a range of probabilities. Above the line the diagnosis is too modest, below it too sure.")
     }
 
     fn reliability_table(&self) -> Table {
         let mut table = Table::new("Probabilities")
             .text_column("probability")
             .column("claims", "")
-            .column("mean said", "%")
-            .column("so", "%")
+            .column("told, mean", "%")
+            .column("true", "%")
             .text_column("95 % interval")
             .text_column("within 5 points");
         for bin in self.reliability() {
@@ -176,7 +177,7 @@ impl Score {
             ]);
         }
         table.note(format!(
-            "A bin is judged from {ENOUGH} claims on: a finding is so when its family, or the slot of a learned \
+            "A range is judged from {ENOUGH} claims on. A finding is true when its family, or the slot of a learned \
              law, is the truth's."
         ))
     }
