@@ -15,7 +15,7 @@ def residual(outputs):
         ("miss of the target", "1e-9 rad", 3, " rad"),
     ]:
         worst = [max((line[column] for line in lines if line[0] == shaper), key=float) for shaper in ("zv", "zvd")]
-        rows.append([name, aim, *(value + unit for value in worst)])
+        rows.append([name, aim, *(f"{float(value):g}{unit}" for value in worst)])
     return markdown(["", "aim", f"ZV, worst of {sum(line[0] == 'zv' for line in lines)}", "ZVD"], rows)
 
 
