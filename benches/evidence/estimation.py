@@ -1,6 +1,6 @@
 """The tables of estimation.md."""
 
-from .table import Table, below, found, markdown, split
+from .table import SHORT, Table, below, found, markdown, split
 
 PAGE = "estimation.md"
 BOUND = "cargo bench --features full --bench cramer_rao -- "
@@ -15,8 +15,9 @@ def periods(outputs):
     for name in dict.fromkeys(line[0] for line in lines):
         # Of the bound there is no median.
         column = 0 if len(cells[name, rates[0]]) == 1 else 1
-        rows.append([name, *(cells[name, rate][column] for rate in rates)])
-    return markdown(["95th percentile, periods", *(f"{rate} Hz" for rate in rates)], rows)
+        called = name if column else "Cramér-Rao bound"
+        rows.append([called, *(cells[name, rate][column] for rate in rates)])
+    return markdown(["95th percentile, periods (aim of the likelihood: 0.75 at 333 Hz, 0.6 at 1 kHz)", *(f"{rate} Hz" for rate in rates)], rows)
 
 
 def efficiency(outputs):
@@ -65,7 +66,7 @@ def one_as_two(outputs):
 
 
 TABLES = [
-    Table("periods", PAGE, ("cargo bench --features full --bench estimation",), periods),
+    Table("periods", PAGE, ("cargo bench --features full --bench estimation",), periods, SHORT),
     Table("efficiency", PAGE, (BOUND + "efficiency",), efficiency),
     Table("convergence", PAGE, (BOUND + "convergence",), convergence),
     Table("spoiled", PAGE, (BOUND + "spoiled",), spoiled),

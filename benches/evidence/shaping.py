@@ -90,8 +90,8 @@ def planning(outputs):
 TABLES = [
     Table("residual", PAGE, ("cargo test --release --features full --test closed_loop -- --nocapture",), residual, SHORT),
     Table("shapers", PAGE, ("quell compare --out {work}",), shapers, SHORT),
-    Table("optimum_box", PAGE, ("cargo bench -p quell-shapers --bench optimum",), optimum_box),
-    Table("optimum_estimate", PAGE, ("cargo bench -p quell-shapers --bench optimum",), optimum_estimate),
+    Table("optimum_box", PAGE, ("cargo bench -p quell-shapers --bench optimum",), optimum_box, SHORT),
+    Table("optimum_estimate", PAGE, ("cargo bench -p quell-shapers --bench optimum",), optimum_estimate, SHORT),
     Table("tolerance", PAGE, ("cargo bench --features full --bench tolerance",), tolerance),
     Table("step", PAGE, ("cargo bench -p quell-shapers --bench step",), step, SHORT),
     Table("tick", PAGE, ("cargo bench --features full --bench tick",), tick, SHORT),
