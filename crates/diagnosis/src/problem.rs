@@ -1,6 +1,7 @@
 //! The least-squares problem behind every fit: experiments, unknowns, weighted residuals.
 
 use super::point::{Global, Local, Point};
+use super::start::may_be_held;
 use super::stop::Stop;
 use super::whitening::Whitening;
 use nalgebra::{DMatrix, DVector};
@@ -118,10 +119,15 @@ impl Problem<'_> {
         self.given.clear();
     }
 
-    /// Components of the start that are free with a point's structure: those of the model, and those of further
-    /// modes that a force drives. Further modes driven by a prescribed motor side start at rest.
+    /// Components of the start that are free with a point's structure: those of the model, the deformation at
+    /// which friction holds a link, and those of further modes that a force drives. Further modes driven by a
+    /// prescribed motor side start at rest.
     pub fn departures(&self, point: &Point) -> Vec<StartComponent> {
         let mut free = self.departures.clone();
+        let linear = (self.kind.linear)(&point.keys, self.experiments[0].input);
+        if !free.contains(&StartComponent::Deformation) && may_be_held(&linear, &point.terms) {
+            free.push(StartComponent::Deformation);
+        }
         if self.scales.forced {
             let terms = point.terms.iter().filter(|term| term.acts());
             let modes = terms.filter(|t| matches!((t.effect.law)(&t.values), Law::Resonance(_)));

@@ -30,6 +30,7 @@ mod rigid_axis;
 mod roots;
 mod runge_kutta;
 mod smoothing;
+mod start;
 mod stepper;
 mod tally;
 mod trace;

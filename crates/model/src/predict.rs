@@ -4,12 +4,13 @@ use super::chain::{Chain, ForceElement, FrictionElement, MotorSide, State};
 use super::coupling::Pull;
 use super::departure::{
     Departure,
-    StartComponent::{Deformation, DeformationRate, Mode, ModeRate, MotorPosition, MotorVelocity},
+    StartComponent::{Deformation, DeformationRate, MotorPosition, MotorVelocity},
 };
 use super::experiment::{Experiment, Output};
 use super::integrate::{Kick, Restart, Timed, integrate, integrate_in_parts};
 use super::piecewise::{Grid, RADIANS_A_STEP};
 use super::reading::{Eyes, Prediction, Reader};
+use super::start::start;
 use super::trace::{Kinematics, Trace};
 use super::{Kind, Model};
 use crate::effects::{Drive, Effect, Law, Memory, Place, Sensor};
@@ -297,65 +298,6 @@ fn grid<'a>(chain: &Chain, experiment: &'a Experiment, drives: &[Box<dyn Drive>]
         Ok(grid) => Cow::Owned(grid),
         Err(_) => Cow::Borrowed(&experiment.grid),
     }
-}
-
-/// The state at the first node: in equilibrium with the motor side, plus the departure.
-fn start(chain: &mut Chain, grid: &Grid, experiment: &Experiment, departure: &Departure) -> State {
-    let mut state = [0.0; size_of::<State>() / size_of::<f64>()];
-    let input = grid.input.first().map_or([0.0; 3], |cubic| cubic.at(0.0));
-    state[0] = experiment.initial[0] + departure[MotorPosition];
-    state[1] = experiment.initial[1] + departure[MotorVelocity];
-    let (motion, _) = chain.motion(grid.time[0], &state, input);
-    state[2] = motion.motor[0] + experiment.initial[2];
-    state[3] = motion.motor[1] + experiment.initial[3];
-    if matches!(chain.linear.motor, MotorSide::Prescribed) {
-        state[2] += equilibrium(chain, grid.time[0], &state, input);
-        state[3] = motion.motor[1];
-    }
-    state[2] += departure[Deformation];
-    state[3] += departure[DeformationRate];
-    for mode in 0..chain.resonances.len().min(super::chain::RESONANCES) {
-        state[4 + 2 * mode] = motion.motor[0] + departure[Mode(mode)];
-        state[5 + 2 * mode] = motion.motor[1] + departure[ModeRate(mode)];
-    }
-    state
-}
-
-/// Deformation in equilibrium without friction, by secant steps from the linear guess.
-fn equilibrium(chain: &mut Chain, time: f64, state: &State, input: [f64; 3]) -> f64 {
-    if chain.forces.is_empty() {
-        return 0.0;
-    }
-    let frictions = std::mem::take(&mut chain.frictions);
-    let stiffness = chain.linear.stiffness;
-    let inertia = chain.linear.link.map_or(1.0, |link| link.0);
-    let still = [input[0], 0.0, 0.0];
-    let pull = |d: f64| {
-        let mut state = *state;
-        state[2] += d;
-        state[3] = 0.0;
-        chain.instant(time, &state, still).link * inertia
-    };
-    let (mut d, mut force) = (0.0, pull(0.0));
-    let mut slope = stiffness;
-    for _ in 0..20 {
-        if force == 0.0 || stiffness == 0.0 {
-            break;
-        }
-        let next = d + force / slope;
-        let then = pull(next);
-        let secant = (force - then) / (next - d);
-        if secant.is_finite() && secant > 0.1 * stiffness {
-            slope = secant;
-        }
-        let done = (next - d).abs() <= 1e-12 * next.abs();
-        (d, force) = (next, then);
-        if done {
-            break;
-        }
-    }
-    chain.frictions = frictions;
-    d
 }
 
 impl Simulated {

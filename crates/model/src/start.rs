@@ -1,0 +1,146 @@
+//! The start of a motion: in equilibrium with the motor side, or held by friction.
+
+use super::attachment::Attachment;
+use super::chain::{Chain, MotorSide, RESONANCES, State, coordinate};
+use super::departure::{
+    Departure,
+    StartComponent::{Deformation, DeformationRate, Mode, ModeRate, MotorPosition, MotorVelocity},
+};
+use super::experiment::Experiment;
+use super::piecewise::Grid;
+use crate::effects::Memory;
+
+/// The state at the first node: in equilibrium with the motor side, plus the departure.
+///
+/// Friction holds a link anywhere in a band about the equilibrium without friction: the departure says where. A
+/// link that rests in the band has the velocity 0 exactly, so that it sticks.
+pub(super) fn start(
+    chain: &mut Chain,
+    grid: &Grid,
+    experiment: &Experiment,
+    departure: &Departure,
+) -> State {
+    let mut state = [0.0; size_of::<State>() / size_of::<f64>()];
+    let input = grid.input.first().map_or([0.0; 3], |cubic| cubic.at(0.0));
+    state[0] = experiment.initial[0] + departure[MotorPosition];
+    state[1] = experiment.initial[1] + departure[MotorVelocity];
+    let (motion, _) = chain.motion(grid.time[0], &state, input);
+    state[2] = motion.motor[0] + experiment.initial[2];
+    state[3] = motion.motor[1] + experiment.initial[3];
+    if matches!(chain.linear.motor, MotorSide::Prescribed) {
+        state[2] += equilibrium(chain, grid.time[0], &state, input);
+        state[3] = match rests(chain, grid) {
+            true => 0.0,
+            false => motion.motor[1],
+        };
+    }
+    state[2] += departure[Deformation];
+    state[3] += departure[DeformationRate];
+    for mode in 0..chain.resonances.len().min(RESONANCES) {
+        state[4 + 2 * mode] = motion.motor[0] + departure[Mode(mode)];
+        state[5 + 2 * mode] = motion.motor[1] + departure[ModeRate(mode)];
+    }
+    state
+}
+
+/// Whether friction to ground stops a link that goes with the motor side's mean velocity `V` over the first
+/// radian of its mode, within this radian: `m V < F / w`. The rate of the first samples would be that of their
+/// noise and rounding.
+fn rests(chain: &Chain, grid: &Grid) -> bool {
+    let linear = &chain.linear;
+    let grounded = chain.frictions.iter();
+    let grounded = grounded.filter(|own| chain.attachment(own.place) == Attachment::Link);
+    let friction: f64 = grounded
+        .map(|own| own.law.breakaway[0].min(own.law.breakaway[1]))
+        .sum();
+    let inertia = linear.link.map_or(0.0, |link| link.0);
+    let radian = (inertia / linear.stiffness).sqrt();
+    let until = grid.time[0] + radian;
+    let nodes = grid.time.iter().zip(&grid.input);
+    let within = nodes.take_while(|(time, _)| **time <= until);
+    let (low, high) = within.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), node| {
+        let position = node.1.at(0.0)[0];
+        (low.min(position), high.max(position))
+    });
+    // `V = (high - low) w`, and `m w^2` is the stiffness.
+    (high - low) * linear.stiffness < friction * linear.unit_force
+}
+
+/// Deformation in equilibrium without friction, by false position; 0 where there is none.
+fn equilibrium(chain: &mut Chain, time: f64, state: &State, input: [f64; 3]) -> f64 {
+    let stiffness = chain.linear.stiffness;
+    if chain.forces.is_empty() || stiffness == 0.0 {
+        return 0.0;
+    }
+    let frictions = std::mem::take(&mut chain.frictions);
+    let inertia = chain.linear.link.map_or(1.0, |link| link.0);
+    let still = [input[0], 0.0, 0.0];
+    let found = zero(
+        |d| {
+            let mut state = *state;
+            state[2] += d;
+            state[3] = 0.0;
+            settle(chain, time, &state, still);
+            chain.instant(time, &state, still).link * inertia
+        },
+        stiffness,
+    );
+    for element in &mut chain.forces {
+        element.memory = Memory::default();
+    }
+    chain.frictions = frictions;
+    found
+}
+
+/// Gives the forces the memories of a chain that has come to rest at a state: the flank of a gap that it lies on.
+fn settle(chain: &mut Chain, time: f64, state: &State, still: [f64; 3]) {
+    let (motion, _) = chain.motion(time, state, still);
+    for index in 0..chain.forces.len() {
+        let attachment = chain.attachment(chain.forces[index].place);
+        let [x, v] = coordinate(attachment, &motion);
+        let element = &mut chain.forces[index];
+        element.memory = Memory {
+            time,
+            position: x,
+            ..Memory::default()
+        };
+        element.law.remember(&motion, x, v, &mut element.memory);
+    }
+}
+
+/// The zero next to 0 of a force that falls on the whole, about as `-stiffness x`; it may be constant in places.
+fn zero(mut force: impl FnMut(f64) -> f64, stiffness: f64) -> f64 {
+    /// Doublings until the bracket is given up: a softening by 2^40 is no spring.
+    const DOUBLINGS: usize = 40;
+    let (mut low, mut at_low) = (0.0, force(0.0));
+    let mut step = at_low / stiffness;
+    if step == 0.0 || !step.is_finite() {
+        return 0.0;
+    }
+    let ends = (0..DOUBLINGS).find_map(|_| {
+        let (high, at_high) = (low + step, force(low + step));
+        if at_high * at_low <= 0.0 {
+            return Some((high, at_high));
+        }
+        (low, at_low) = (high, at_high);
+        step *= 2.0;
+        None
+    });
+    let Some((mut high, mut at_high)) = ends else {
+        return 0.0;
+    };
+    // Illinois: in the long run each round at least halves the bracket; a few are usual.
+    for _ in 0..100 {
+        if at_high == 0.0 || (high - low).abs() <= 1e-14 * high.abs() {
+            break;
+        }
+        let middle = (low * at_high - high * at_low) / (at_high - at_low);
+        let value = force(middle);
+        match value * at_high > 0.0 {
+            true => at_low *= 0.5,
+            false => (low, at_low) = (high, at_high),
+        }
+        (high, at_high) = (middle, value);
+    }
+    high
+}
