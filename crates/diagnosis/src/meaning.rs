@@ -4,7 +4,7 @@ use super::explanation::Explanation;
 use super::fit::Fitted;
 use super::point::{Global, Point};
 use super::problem::Problem;
-use quell_model::effects::{ParameterRole, Quantity};
+use quell_model::effects::{Parameter, ParameterRole, Quantity};
 
 /// Distance from the end of its range within which a parameter counts as at the end, as a share of the range.
 const AT_END: f64 = 1e-3;
@@ -19,6 +19,7 @@ impl Problem<'_> {
     ///
     /// The bounds of a parameter are those of the motion: a gap is no wider than the travel, a period no longer, a
     /// frequency within the band. The ends of a share or of a side are laws of their own, and a phase has no ends.
+    /// An event at the first instant is nothing but another start of the motion.
     pub fn is_at_end(&self, fitted: &Fitted) -> bool {
         let point = &fitted.point;
         let added = added(point, &fitted.globals);
@@ -27,15 +28,11 @@ impl Problem<'_> {
             let value = point.terms[term].values[index];
             let (low, high) = self.limits(point, Global::Parameter(term, index));
             let near = |bound: f64| (value - bound).abs() < AT_END * (high - low);
-            let whole = |bound: f64| {
-                parameter.quantity == Quantity::NUMBER && (bound.abs() - 1.0).abs() < WHOLE
-            };
             // A law at the end of its shape parameter is the simpler law that it contains as a limit.
             let contains = point.terms[term].effect.limits().next().is_some();
-            let limit = contains && parameter.role == ParameterRole::Shape;
-            let end =
-                |bound: f64| near(bound) && (limit || bound != parameter.neutral && !whole(bound));
-            has_ends(parameter.role) && (end(low) || end(high))
+            let ends = [low, high].into_iter();
+            let mut ends = ends.filter(|&bound| is_meaningless(parameter, bound, contains));
+            ends.any(near)
         });
         added.any(|is_at_end| is_at_end)
     }
@@ -68,6 +65,18 @@ impl Problem<'_> {
     }
 }
 
+/// Whether a parameter at this end of its range is a value without meaning. `contains` tells whether its effect
+/// contains a simpler law as a limit of its shape.
+fn is_meaningless(parameter: &Parameter, bound: f64, contains: bool) -> bool {
+    let whole = parameter.quantity == Quantity::NUMBER && (bound.abs() - 1.0).abs() < WHOLE;
+    match parameter.role {
+        // No instant is neutral: the first one is the start, after the last one nothing is seen.
+        ParameterRole::Time => true,
+        ParameterRole::Shape if contains => true,
+        role => has_ends(role) && bound != parameter.neutral && !whole,
+    }
+}
+
 /// Whether the ends of a parameter's range are meaningless values.
 fn has_ends(role: ParameterRole) -> bool {
     use ParameterRole::{Ordinate, Phase, Range};
@@ -84,4 +93,43 @@ fn added<'a>(
         Global::Parameter(term, index) if term >= point.given_terms => Some((unknown, term, index)),
         _ => None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use quell_model::effects::{EFFECTS, Scales};
+
+    /// Over the catalogue: an event at either end of its time says nothing; a size at its neutral value is no
+    /// end, since the effect is then not there.
+    #[test]
+    fn an_instant_has_ends_and_a_neutral_size_has_none() {
+        let scales = Scales {
+            span: (0.0, 8.0),
+            ..Scales::default()
+        };
+        let (mut times, mut sizes) = (0, 0);
+        for effect in EFFECTS {
+            for parameter in effect.parameters {
+                let (low, high) = (parameter.bounds)(&scales);
+                let ends = [low, high].map(|bound| is_meaningless(parameter, bound, false));
+                let what = format!("{} {}", effect.name, parameter.name);
+                match parameter.role {
+                    ParameterRole::Time => {
+                        times += 1;
+                        assert_eq!(ends, [true, true], "{what}");
+                    }
+                    ParameterRole::Size if low == parameter.neutral => {
+                        sizes += 1;
+                        assert!(!ends[0], "{what}");
+                    }
+                    ParameterRole::Phase | ParameterRole::Ordinate | ParameterRole::Range => {
+                        assert_eq!(ends, [false, false], "{what}");
+                    }
+                    _ => {}
+                }
+            }
+        }
+        assert!(times >= 2 && sizes >= 5, "{times} {sizes}");
+    }
 }
