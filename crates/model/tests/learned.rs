@@ -1,5 +1,6 @@
 //! Laws whose shape is learned: conformance of the table, and the laws of the catalogue as curves.
 
+use proptest::prelude::*;
 use quell_model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide, State};
 use quell_model::effects::{
     Effect, KNOTS, LEARNED, Law, Memory, Motion, ParameterRole, Place, Scales, Slot, Visited,
@@ -216,6 +217,60 @@ fn a_neutral_learned_law_is_the_baseline_to_the_bit() {
     }
 }
 
+fn force_of(law: &Law, motion: &Motion, x: f64, v: f64) -> f64 {
+    let Law::Force(law) = law else { panic!() };
+    law.force(motion, x, v, &Memory::default())
+}
+
+proptest! {
+    /// Whatever was learned, beyond what was visited a spring pulls back, a force over the position pushes no
+    /// farther away, a damper brakes, a spring that changes with time stays one, and more input gives more.
+    #[test]
+    fn a_learned_law_does_not_drive_where_nobody_has_been(
+        ordinates in prop::array::uniform12(-0.9..3.0f64),
+        beyond in 1e-6..20.0f64,
+        above: bool,
+    ) {
+        let (from, to) = (-0.7, 0.9);
+        let values: Vec<f64> = ordinates.into_iter().chain([from, to]).collect();
+        let (end, side) = if above { (to, 1.0) } else { (from, -1.0) };
+        let [near, far] = [beyond, 1.5 * beyond].map(|way| end + side * way);
+        let motion = Motion { stiffness: 1.0, damping: 0.2, ..Motion::default() };
+        let at = |name: &str, x: f64, v: f64| force_of(&law_of(name, &values), &motion, x, v);
+        let spring = |x: f64| x + at("learned_spring", x, 0.0);
+        prop_assert!(side * (spring(far) - spring(near)) > 0.0);
+        let over = |x: f64| at("learned_position_force", x, 0.0);
+        prop_assert!(side * (over(far) - over(near)) >= 0.0);
+        prop_assert!(motion.damping + at("learned_damping", far, 1.0) >= 0.0);
+        let later = Motion { time: far, ..motion };
+        prop_assert!(1.0 + force_of(&law_of("learned_drift", &values), &later, 1.0, 0.0) > 0.0);
+        let Law::Drive(drive) = law_of("learned_drive", &values) else { panic!() };
+        prop_assert!(side * (drive.map(far) - drive.map(near)) > 0.0);
+    }
+}
+
+/// A spring whose last knot nothing determined falls steeply there: a link that is thrown beyond it comes back.
+#[test]
+fn a_link_comes_back_from_beyond_what_was_visited() {
+    let values = sampled(-0.02, 0.02, |x| if x > 0.019 { -0.1 } else { 0.6 * x });
+    let mut chain = Chain::new(JOINT);
+    let Law::Force(law) = law_of("learned_spring", &values) else {
+        panic!()
+    };
+    let (place, memory) = (Place::Transmission, Memory::default());
+    chain.forces.push(ForceElement { place, law, memory });
+    let state: State = [0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let zeros = [0.0; 401];
+    let time: Vec<f64> = (0..401).map(|k| f64::from(k) * 0.2).collect();
+    let grid = Grid::new(&time, &zeros, Hold::Spline, 0.05).unwrap();
+    let trace = integrate(&mut chain, &grid, state, &Timed::default());
+    let farthest = trace
+        .link
+        .iter()
+        .fold(0.0f64, |m, link| m.max(link[0].abs()));
+    assert!(farthest <= 0.5 + 1e-9, "{farthest}");
+}
+
 /// A spline holds every cubic polynomial, so that nothing but rounding is left.
 #[test]
 fn val_a_learned_spring_of_a_cubic_is_the_cubic_stiffness() {
@@ -414,14 +469,18 @@ fn free_vibration_dies_out_in_maxwell_slip() {
     );
 }
 
-/// Outside of the range a law goes on with the slope that it has at the end.
+/// Outside of the range a spring that stays one goes on with the slope that it has at the end.
 #[test]
 fn learned_laws_are_straight_outside_of_what_was_visited() {
     let values = sampled(-1.0, 2.0, |x| (1.3 * x).sin() + x * x);
     let Law::Force(law) = law_of("learned_spring", &values) else {
         panic!("no force");
     };
-    let at = |x: f64| law.force(&Motion::default(), x, 0.0, &Memory::default());
+    let motion = Motion {
+        stiffness: 2.0,
+        ..Motion::default()
+    };
+    let at = |x: f64| law.force(&motion, x, 0.0, &Memory::default());
     for (end, out) in [(-1.0, -1.0), (2.0, 1.0)] {
         let slope = (at(end) - at(end - 1e-6 * out)) / (1e-6 * out);
         for far in [0.5, 10.0] {

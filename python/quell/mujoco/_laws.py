@@ -145,7 +145,8 @@ def resistance_of(effect: str, p: Mapping[str, float], scale: float, stiffness: 
         points = np.linspace(-TURNS, TURNS, POINTS) * 2.0 * np.pi
         return Resistance("position", lambda x: scale * p["amplitude"] * np.cos(x + p["phase"]), points)
     if effect in ("learned_position_force", "learned_spring"):
-        curve = spline(p["from"], p["to"], _ordinates(p))
+        own = stiffness / scale if effect == "learned_spring" else 0.0
+        curve = _stable(spline(p["from"], p["to"], _ordinates(p)), p["from"], p["to"], own)
         # Straight beyond its ends.
         points = np.concatenate([[p["from"] - FAR], np.linspace(p["from"], p["to"], POINTS), [p["to"] + FAR]])
         return Resistance("position", lambda x: scale * curve(x), points)
@@ -177,6 +178,14 @@ def _bilinear(p: Mapping[str, float], x: Array) -> Array:
 
 def _ordinates(p: Mapping[str, float]) -> Array:
     return np.array([p[name] for name in p if name[0] == "y" and name[1:].isdigit()])
+
+
+def _stable(curve: Callable[[Array], Array], start: float, end: float, own: float) -> Callable[[Array], Array]:
+    """A curve that keeps its last value beyond an end where its slope and `own` beside it are not above 0 together."""
+    edges = curve(np.array([2.0 * start - end, start, end, 2.0 * end - start]))
+    falls = (np.diff(edges)[[0, 2]] / (end - start) + own) <= 0.0
+    low, high = start if falls[0] else -np.inf, end if falls[1] else np.inf
+    return lambda x: curve(np.clip(x, low, high))
 
 
 def spline(start: float, end: float, ordinates: Array) -> Callable[[Array], Array]:

@@ -1,6 +1,6 @@
 //! Common parts of learned laws: ordinates at equally spaced knots, and the range of these.
 
-use super::{Force, Memory, Motion, Parameter, ParameterRole, Quantity, Scales, Spline};
+use super::{Parameter, ParameterRole, Quantity, Scales, Spline};
 
 /// Number of ordinates of a learned law.
 pub const KNOTS: usize = 12;
@@ -77,13 +77,4 @@ pub(super) fn split(values: &[f64]) -> (&[f64], f64, f64) {
 pub(super) fn spline(values: &[f64]) -> Spline {
     let (ordinates, from, to) = split(values);
     Spline::new(from, to, ordinates)
-}
-
-/// A force over the position of its place.
-pub(super) struct OverPosition(pub Spline);
-
-impl Force for OverPosition {
-    fn force(&self, _motion: &Motion, x: f64, _v: f64, _memory: &Memory) -> f64 {
-        self.0.value(x)
-    }
 }

@@ -6,8 +6,9 @@ use super::{Effect, Force, Law, Memory, Motion, Place, Property, Quantity, Slot,
 struct Damping(Spline);
 
 impl Force for Damping {
-    fn force(&self, _motion: &Motion, x: f64, v: f64, _memory: &Memory) -> f64 {
-        self.0.value(x) * v
+    fn force(&self, motion: &Motion, x: f64, v: f64, _memory: &Memory) -> f64 {
+        // A damper never drives.
+        self.0.not_less(x).max(-motion.damping) * v
     }
 }
 
@@ -17,8 +18,8 @@ pub const LEARNED_DAMPING: Effect = Effect {
     title: "learned damping",
     places: &[Place::Transmission],
     physics: "The damper's coefficient differs from c by a curve over the deformation, which is learned: a cubic \
-        spline through its values at equally spaced deformations, of constant slope outside of what was visited. \
-        Contacts that press harder rub more, so that large vibration dies out faster than small. Source: van der \
+        spline through its values at equally spaced deformations, outside of what was visited of constant slope \
+        where it rises, else constant; the whole coefficient is never below 0. Contacts that press harder rub more, so that large vibration dies out faster than small. Source: van der \
         Pol, Philosophical Magazine 2 (1926), for a parabola; de Boor, A Practical Guide to Splines (1978).",
     remedy: "Look at the curve; take the damping at the amplitude that matters.",
     parameters: &parameters::<PARAMETERS>(

@@ -7,7 +7,7 @@ struct Map(Spline);
 
 impl Drive for Map {
     fn map(&self, value: f64) -> f64 {
-        value + self.0.value(value)
+        value + self.0.stable(value, 1.0)
     }
 }
 
@@ -17,7 +17,8 @@ pub const LEARNED_DRIVE: Effect = Effect {
     title: "learned drive",
     places: &[Place::Drive],
     physics: "The drive makes u + f(u) of its input u, at once. The curve f is learned: a cubic spline through its \
-        values at equally spaced inputs, of constant slope outside of what was asked for. Dead zones, limits and a \
+        values at equally spaced inputs, of constant slope outside of what was asked for, or constant \
+        where more input would give less. Dead zones, limits and a \
         gain that changes are such maps; what has corners is met as nearly as the knots allow. Source: Tao and \
         Kokotovic, Adaptive Control of Systems with Actuator and Sensor Nonlinearities (1996).",
     remedy: "Look at the curve; put its inverse before the drive.",

@@ -1,7 +1,15 @@
 //! A force of any shape over the position.
 
-use super::learned::{OverPosition, PARAMETERS, ordinate, parameters, spline, start};
-use super::{Effect, Law, Place, Property, Quantity, Slot};
+use super::learned::{PARAMETERS, ordinate, parameters, spline, start};
+use super::{Effect, Force, Law, Memory, Motion, Place, Property, Quantity, Slot, Spline};
+
+struct OverPosition(Spline);
+
+impl Force for OverPosition {
+    fn force(&self, _motion: &Motion, x: f64, _v: f64, _memory: &Memory) -> f64 {
+        self.0.stable(x, 0.0)
+    }
+}
 
 /// A force that depends on the position of the axis: `F = f(x)`.
 pub const LEARNED_POSITION_FORCE: Effect = Effect {
@@ -10,7 +18,8 @@ pub const LEARNED_POSITION_FORCE: Effect = Effect {
     places: &[Place::Drive, Place::Link],
     physics: "A force f(x) resists positive motion at each position x, whatever the speed: weights, springs to \
         ground, cables, a guide that is tight at one end. The curve is learned: a cubic spline through its values \
-        at equally spaced positions, of constant slope outside of what was visited. What changes faster over the \
+        at equally spaced positions, of constant slope outside of what was visited, or constant where it would push \
+        away from there. What changes faster over the \
         position than the knots lie is cogging. Source: de Boor, A Practical Guide to Splines (1978); Eilers and \
         Marx, Statistical Science 11 (1996).",
     remedy: "Look at the curve, and for what pulls there; add it to the feedforward as a table over the position.",

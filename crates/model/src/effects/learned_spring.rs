@@ -1,7 +1,15 @@
 //! A spring of any shape.
 
-use super::learned::{OverPosition, PARAMETERS, ordinate, parameters, spline, start};
-use super::{Effect, Law, Place, Property, Quantity, Slot};
+use super::learned::{PARAMETERS, ordinate, parameters, spline, start};
+use super::{Effect, Force, Law, Memory, Motion, Place, Property, Quantity, Slot, Spline};
+
+struct Spring(Spline);
+
+impl Force for Spring {
+    fn force(&self, motion: &Motion, x: f64, _v: f64, _memory: &Memory) -> f64 {
+        self.0.stable(x, motion.stiffness)
+    }
+}
 
 /// An elastic force of any shape beside that of the model's spring: `F = f(x)`, `x` the deformation.
 pub const LEARNED_SPRING: Effect = Effect {
@@ -9,8 +17,8 @@ pub const LEARNED_SPRING: Effect = Effect {
     title: "learned spring",
     places: &[Place::Transmission],
     physics: "The spring's force differs from k x by a curve f(x) over the deformation, which is learned: a cubic \
-        spline through its values at equally spaced deformations, of constant slope outside of what was visited. \
-        Source: de Boor, A Practical Guide to Splines (1978); Eilers and Marx, Statistical Science 11 (1996).",
+        spline through its values at equally spaced deformations, of constant slope outside of what was visited; \
+        where the spring as a whole would give way there, the curve keeps its last value. Source: de Boor, A Practical Guide to Splines (1978); Eilers and Marx, Statistical Science 11 (1996).",
     remedy: "Look at the curve: it says what the spring does that the model's does not.",
     parameters: &parameters::<PARAMETERS>(
         ordinate(
@@ -21,6 +29,6 @@ pub const LEARNED_SPRING: Effect = Effect {
         Quantity::POSITION,
     ),
     properties: &[Property::Slot(Slot::Spring)],
-    law: |p| Law::Force(Box::new(OverPosition(spline(p)))),
+    law: |p| Law::Force(Box::new(Spring(spline(p)))),
     starts: |scales| vec![start::<PARAMETERS>(scales.visited_deformation())],
 };

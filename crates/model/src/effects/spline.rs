@@ -55,6 +55,37 @@ impl Spline {
         a + s * (b + s * (c + s * d))
     }
 
+    /// The value; beyond the knots the slope goes on only if, with a slope of `own` beside it, it stays above
+    /// 0; else the value of the last knot stays. So a spring always pulls back from where nobody has been.
+    #[inline]
+    pub fn stable(&self, x: f64, own: f64) -> f64 {
+        match self.end(x) {
+            Some(end) if self.slope(x) + own <= 0.0 => end,
+            _ => self.value(x),
+        }
+    }
+
+    /// The value; beyond the knots it does not fall below that of the last one.
+    #[inline]
+    pub fn not_less(&self, x: f64) -> f64 {
+        self.end(x)
+            .map_or_else(|| self.value(x), |end| end.max(self.value(x)))
+    }
+
+    /// The value of the last knot for a place beyond the knots.
+    #[inline]
+    fn end(&self, x: f64) -> Option<f64> {
+        let knots = (x - self.from) * self.density;
+        let last = self.pieces.len() - 1;
+        match self.pieces.len() {
+            // A constant.
+            1 => None,
+            _ if knots < 0.0 => Some(self.pieces[1][0]),
+            _ if knots as usize + 1 >= last => Some(self.pieces[last][0]),
+            _ => None,
+        }
+    }
+
     /// Its derivative.
     #[inline]
     pub fn slope(&self, x: f64) -> f64 {
