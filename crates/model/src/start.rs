@@ -1,6 +1,5 @@
 //! The start of a motion: in equilibrium with the motor side, or held by friction.
 
-use super::attachment::Attachment;
 use super::chain::{Chain, MotorSide, RESONANCES, State, coordinate};
 use super::departure::{
     Departure,
@@ -13,7 +12,7 @@ use crate::effects::Memory;
 /// The state at the first node: in equilibrium with the motor side, plus the departure.
 ///
 /// Friction holds a link anywhere in a band about the equilibrium without friction: the departure says where. A
-/// link that rests in the band has the velocity 0 exactly, so that it sticks.
+/// link whose motor side rests has the velocity 0 exactly, so that it sticks there.
 pub(super) fn start(
     chain: &mut Chain,
     grid: &Grid,
@@ -43,27 +42,28 @@ pub(super) fn start(
     state
 }
 
-/// Whether friction to ground stops a link that goes with the motor side's mean velocity `V` over the first
-/// radian of its mode, within this radian: `m V < F / w`. The rate of the first samples would be that of their
-/// noise and rounding.
+/// Whether the motor side rests over the first radian of the mode: the slope of its positions is within three
+/// standard deviations of what their jitter makes of none. The rate of the first samples is then that of their
+/// noise or rounding, and would make the link ring.
+///
+/// The jitter has a sixth of the mean square of the second differences; the slope of `n` positions `h` apart has
+/// the variance `12 / (n^3 h^2)` of it.
 fn rests(chain: &Chain, grid: &Grid) -> bool {
-    let linear = &chain.linear;
-    let grounded = chain.frictions.iter();
-    let grounded = grounded.filter(|own| chain.attachment(own.place) == Attachment::Link);
-    let friction: f64 = grounded
-        .map(|own| own.law.breakaway[0].min(own.law.breakaway[1]))
-        .sum();
-    let inertia = linear.link.map_or(0.0, |link| link.0);
-    let radian = (inertia / linear.stiffness).sqrt();
-    let until = grid.time[0] + radian;
-    let nodes = grid.time.iter().zip(&grid.input);
-    let within = nodes.take_while(|(time, _)| **time <= until);
-    let (low, high) = within.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), node| {
-        let position = node.1.at(0.0)[0];
-        (low.min(position), high.max(position))
-    });
-    // `V = (high - low) w`, and `m w^2` is the stiffness.
-    (high - low) * linear.stiffness < friction * linear.unit_force
+    let inertia = chain.linear.link.map_or(0.0, |link| link.0);
+    let until = grid.time[0] + (inertia / chain.linear.stiffness).sqrt();
+    let nodes = grid.time.iter().take_while(|time| **time <= until);
+    let first = &grid.input[..nodes.count().min(grid.input.len())];
+    let n = first.len() as f64;
+    let (mut slope, mut jitter) = (0.0, 0.0);
+    for (k, cubic) in first.iter().enumerate() {
+        slope += (k as f64 - 0.5 * (n - 1.0)) * cubic.at(0.0)[0] * 12.0 / (n * (n * n - 1.0));
+    }
+    for three in first.windows(3) {
+        let [a, b, c] = [0, 1, 2].map(|k: usize| three[k].at(0.0)[0]);
+        jitter += (a - 2.0 * b + c).powi(2) / (6.0 * (n - 2.0));
+    }
+    // Three have but one second difference.
+    n > 3.0 && slope * slope <= 9.0 * jitter * 12.0 / (n * n * n)
 }
 
 /// Deformation in equilibrium without friction, by false position; 0 where there is none.

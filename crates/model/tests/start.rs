@@ -157,14 +157,31 @@ fn a_weight_lies_on_its_flank() {
     }
 }
 
-/// A link that goes with its motor side is not stopped by friction.
+/// A link that goes with its motor side does so from the start, however slow: where nothing jitters any motion is
+/// seen, and motion through the steps of an encoder, too.
 #[test]
 fn a_link_in_motion_goes_on() {
     let model = joint();
-    let mut experiment = experiment(&model, 0.0, false);
-    let ramp = experiment.input_time.iter().map(|t| 0.5 * t).collect();
-    experiment = experiment.with_input(ramp);
-    let terms = [term("coulomb_friction", Place::Link, &[1e-3])];
-    let trace = run(&model, &terms, &experiment, 0.0);
-    assert!((trace.link[0][1] - 0.5).abs() < 1e-9);
+    let rest = experiment(&model, 0.0, false);
+    let start = |speed: f64, step: f64| {
+        let encoder = |t: &f64| match step > 0.0 {
+            true => (speed * t / step).round() * step,
+            false => speed * t,
+        };
+        let moving = rest.with_input(rest.input_time.iter().map(encoder).collect());
+        let terms = [term("coulomb_friction", Place::Link, &[1e-3])];
+        run(&model, &terms, &moving, 0.0).link[0][1]
+    };
+    for speed in [1e-6, 1e-3, 0.5] {
+        assert!((start(speed, 0.0) / speed - 1.0).abs() < 1e-6, "{speed}");
+    }
+    assert!(start(0.1, STEP) > 0.01);
+}
+
+/// The rounding of an encoder at rest is no motion, with friction or without.
+#[test]
+fn a_link_does_not_start_with_the_rate_of_rounding() {
+    let model = joint();
+    let own = experiment(&model, 0.3, true);
+    assert_eq!(run(&model, &[], &own, 0.0).link[0][1], 0.0);
 }
