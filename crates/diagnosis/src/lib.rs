@@ -28,6 +28,7 @@ mod extrapolation;
 mod fit;
 mod follows_motion;
 mod found;
+mod held;
 mod input_error;
 mod input_hold;
 mod input_noise;

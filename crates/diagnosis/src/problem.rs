@@ -1,7 +1,7 @@
 //! The least-squares problem behind every fit: experiments, unknowns, weighted residuals.
 
+use super::held::may_be_held;
 use super::point::{Global, Local, Point};
-use super::start::may_be_held;
 use super::stop::Stop;
 use super::whitening::Whitening;
 use nalgebra::{DMatrix, DVector};

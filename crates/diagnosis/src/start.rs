@@ -7,9 +7,9 @@ use super::thresholds::{LONG, STRONG};
 use quell_model::StartComponent::{
     Deformation, DeformationRate, Mode, ModeRate, MotorPosition, MotorVelocity,
 };
-use quell_model::chain::{Linear, MotorSide, RESONANCES};
-use quell_model::effects::{Law, Place, Scales};
-use quell_model::{Departure, Experiment, InputError, Model, StartComponent, Term};
+use quell_model::chain::{MotorSide, RESONANCES};
+use quell_model::effects::Scales;
+use quell_model::{Departure, Experiment, InputError, Model, StartComponent};
 
 /// Components of the start that are free: a free motor side, for example, has an unmeasured velocity.
 pub fn departures(model: &Model, experiments: &[Experiment]) -> Vec<StartComponent> {
@@ -28,18 +28,6 @@ pub fn departures(model: &Model, experiments: &[Experiment]) -> Vec<StartCompone
             false => Vec::new(),
         },
     }
-}
-
-/// Whether friction may hold a link at any deformation within a band: on a prescribed motor side, against it or
-/// against the ground.
-pub fn may_be_held(linear: &Linear, terms: &[Term]) -> bool {
-    let sticks = |term: &Term| match (term.effect.law)(&term.values) {
-        Law::Friction(friction) => friction.transition_velocity == 0.0,
-        _ => false,
-    };
-    let prescribed = linear.motor == MotorSide::Prescribed && linear.link.is_some();
-    let mut at_link = terms.iter().filter(|term| term.place != Place::Drive);
-    prescribed && at_link.any(sticks)
 }
 
 fn is_noisy(experiment: &Experiment) -> bool {
