@@ -51,6 +51,8 @@ class Diagnosis(Reported):
         What to do to be sure.
     candidates : tuple of Candidate
         The ranking, best first.
+    ended_early : bool
+        Whether the search was ended while there was more to try.
     remarks : tuple of str
         What the reader should know.
     model : Model
@@ -67,6 +69,7 @@ class Diagnosis(Reported):
     nuisances: dict[str, float]
     next_move: NextMove | None
     candidates: tuple[Candidate, ...]
+    ended_early: bool
     remarks: tuple[str, ...]
     model: Model
     traces: tuple[Trace, ...] = field(repr=False)

@@ -69,6 +69,7 @@ pub fn problem<'a>(
         scales,
         frozen: false,
         stop: Stop::default(),
+        enough: Stop::default(),
         simulated: Arc::default(),
     }
 }

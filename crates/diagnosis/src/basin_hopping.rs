@@ -28,6 +28,9 @@ impl Descent<'_> {
     pub fn hop(&mut self) {
         let mut random = ChaCha12Rng::seed_from_u64(1);
         for width in WIDTHS.repeat(EACH) {
+            if self.is_cut() {
+                return;
+            }
             let Some(step) = self.drawn(width, &mut random) else {
                 return;
             };

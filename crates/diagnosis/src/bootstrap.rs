@@ -22,10 +22,12 @@ use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::found::Found;
 use super::input_error::drawn;
-use super::normal::{deviations, solve};
+use super::normal::{covariance, deviations, scales, solve};
+use super::outcome::Options;
 use super::point::{Global, Point};
 use super::problem::Problem;
 use super::search::Search;
+use super::stop::Stop;
 use nalgebra::{DMatrix, DVector};
 use output_noise::OutputNoise;
 use quell_model::effects::ParameterRole;
@@ -50,11 +52,13 @@ pub struct Scatter {
     globals: Vec<Global>,
     /// Covariance about the fitted values, in the unit of the fit.
     covariance: DMatrix<f64>,
+    /// Whether replicates were drawn; otherwise the covariance is that of the linearised fit.
+    pub is_drawn: bool,
 }
 
 impl Scatter {
-    /// 95 % confidence interval of a parameter of an effect, in its own unit, within its bounds. A parameter
-    /// that is a range was set, not fitted: both ends are its value.
+    /// 95 % confidence interval of a parameter of an effect or a key of the model, in its own unit, within its bounds. A
+    /// parameter that is a range was set, not fitted: both ends are its value.
     pub fn interval(&self, problem: &Problem, point: &Point, global: Global) -> [f64; 2] {
         let value = problem.get(point, global);
         if let Global::Parameter(term, index) = global
@@ -67,9 +71,13 @@ impl Scatter {
         let reach = index.map_or(f64::INFINITY, |i| {
             STUDENT_95 * self.covariance[(i, i)].sqrt()
         });
+        let own = |value: f64| match problem.logarithmic(global) {
+            true => value.exp(),
+            false => value,
+        };
         [
-            (value - reach).max(low.min(value)),
-            (value + reach).min(high.max(value)),
+            own(value - reach).max(low.min(own(value))),
+            own(value + reach).min(high.max(own(value))),
         ]
     }
 
@@ -85,25 +93,15 @@ impl Scatter {
 }
 
 /// The scatter of an explanation's unknowns; the same for the same seed, on any number of threads.
-pub fn bootstrap(search: &Search, found: &Found, seed: u64) -> Scatter {
+///
+/// Replicates that are not all drawn before the search was to end are not used.
+pub fn bootstrap(search: &Search, found: &Found, options: &Options) -> Scatter {
     let best = &found.best;
-    let world = World::new(search, best);
-    let run = |range: std::ops::Range<u64>, steps: usize| -> Vec<Vec<DVector<f64>>> {
-        let one = |index| world.replicate(seed, index, steps);
-        range.into_par_iter().map(one).collect()
-    };
-    let pilots = run(0..PILOTS, 2);
-    let steps = if world.linear_enough(&pilots) { 1 } else { 2 };
-    let others = run(PILOTS..REPLICATES, steps);
+    let world = World::new(search, best, &options.enough);
     let shared = world.linear.globals.len();
-    let (mut covariance, mut count) = (DMatrix::zeros(shared, shared), 0.0);
-    for replicate in pilots.iter().chain(&others) {
-        let changes = replicate.iter().take(steps);
-        let change = changes.fold(DVector::zeros(shared), |sum, step| sum + step);
-        count += 1.0;
-        covariance.ger(1.0, &change, &change, 1.0);
-    }
-    covariance /= count;
+    let drawn = world.drawn(options.seed);
+    let is_drawn = drawn.is_some();
+    let mut covariance = drawn.unwrap_or_else(|| world.linearised());
     // The variance is at least that of the linear problem with noise alone, which needs no draw. It is taken
     // about the fitted value, so that a bias counts.
     widen(&mut covariance, &deviations(&world.normal, shared));
@@ -120,6 +118,7 @@ pub fn bootstrap(search: &Search, found: &Found, seed: u64) -> Scatter {
     Scatter {
         covariance,
         globals: world.linear.globals,
+        is_drawn,
     }
 }
 
@@ -148,10 +147,12 @@ struct World<'a> {
     predicted: Vec<Vec<Vec<f64>>>,
     noise: Vec<Vec<OutputNoise>>,
     input: Vec<InputError>,
+    /// Ends the replicates.
+    stop: Stop,
 }
 
 impl<'a> World<'a> {
-    fn new(search: &'a Search<'a>, best: &'a Explanation) -> Self {
+    fn new(search: &'a Search<'a>, best: &'a Explanation, enough: &Stop) -> Self {
         let problem = search.problem;
         let point = &best.fitted.point;
         let linear = problem.linearise(point, search.projector);
@@ -178,7 +179,40 @@ impl<'a> World<'a> {
             predicted,
             noise,
             input: (0..problem.experiments.len()).map(error).collect(),
+            stop: problem.stop.or(enough),
         }
+    }
+
+    /// Covariance of the shared unknowns over the replicates; `None` where there was no time for all of them.
+    fn drawn(&self, seed: u64) -> Option<DMatrix<f64>> {
+        let run = |range: std::ops::Range<u64>, steps: usize| -> Option<Vec<Vec<DVector<f64>>>> {
+            let one = |index| {
+                let replicate = (!self.stop.now()).then(|| self.replicate(seed, index, steps));
+                replicate.filter(|_| !self.stop.was_asked())
+            };
+            range.into_par_iter().map(one).collect()
+        };
+        let pilots = run(0..PILOTS, 2)?;
+        let steps = if self.linear_enough(&pilots) { 1 } else { 2 };
+        let others = run(PILOTS..REPLICATES, steps)?;
+        let shared = self.linear.globals.len();
+        let mut covariance = DMatrix::zeros(shared, shared);
+        for replicate in pilots.iter().chain(&others) {
+            let changes = replicate.iter().take(steps);
+            let change = changes.fold(DVector::zeros(shared), |sum, step| sum + step);
+            covariance.ger(1.0, &change, &change, 1.0);
+        }
+        Some(covariance / REPLICATES as f64)
+    }
+
+    /// Covariance of the shared unknowns from the normal matrix.
+    fn linearised(&self) -> DMatrix<f64> {
+        let (scale, shared) = (scales(&self.normal), self.linear.globals.len());
+        let whole = covariance(&self.normal, &scale);
+        DMatrix::from_fn(shared, shared, |i, j| {
+            let own = whole.as_ref().map_or(0.0, |whole| whole[(i, j)]);
+            own / (scale[i] * scale[j])
+        })
     }
 
     /// Changes of the shared unknowns, a Gauss-Newton step each.
@@ -193,6 +227,7 @@ impl<'a> World<'a> {
             experiments: &experiments,
             beliefs: self.beliefs(&mut random),
             given: self.given(&mut random),
+            stop: self.stop.clone(),
             ..self.search.problem.clone()
         };
         let (mut point, mut changes) = (self.point.clone(), Vec::new());

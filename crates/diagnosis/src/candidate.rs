@@ -1,7 +1,6 @@
 //! Candidates of a search: effects at places, and where their fits may start.
 
 use super::point::{EffectAt, Point};
-use super::stop::Stop;
 
 /// Explanations from another look at the same recordings.
 #[derive(Clone, Default)]
@@ -10,8 +9,6 @@ pub struct Known {
     pub points: Vec<Point>,
     /// Whether only these are to be looked at.
     pub alone: bool,
-    /// Ends the search for further effects, but not the diagnosis.
-    pub enough: Stop,
 }
 
 /// An effect at a place, and where its fit may start.

@@ -10,6 +10,7 @@ use super::explanation::Explanation;
 use super::found::{Found, is_or_contains};
 use super::law_band::law_curve;
 use super::locate::Located;
+use super::outcome::Options;
 use super::point::{EffectAt, Global, Point};
 use super::quality::{level, quality};
 use super::scores::{Recordings, scores, take_over};
@@ -22,6 +23,10 @@ use quell_model::effects::{Effect, ParameterRole};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
+/// Remark on intervals without a bootstrap.
+const UNDRAWN: &str =
+    "The time was over before the bootstrap: the intervals are those of the linearised fit.";
+
 /// A diagnosis, and what follows from it alone.
 pub struct Concluded {
     /// What is said.
@@ -32,18 +37,24 @@ pub struct Concluded {
     pub better: Model,
 }
 
-/// All conclusions from a search; `seed` is that of the bootstrap.
+/// All conclusions from a search.
 pub fn conclude(
     search: &Search,
     found: &Found,
     located: &Located,
-    (recordings, remarks): (Recordings, Vec<String>),
-    seed: u64,
+    (recordings, mut remarks): (Recordings, Vec<String>),
+    options: &Options,
 ) -> Concluded {
     let verdict = verdict(search, found, located);
     let findings = match verdict {
         Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => Vec::new(),
-        _ => findings(search, found, &bootstrap(search, found, seed)),
+        _ => {
+            let scatter = bootstrap(search, found, options);
+            if !scatter.is_drawn {
+                remarks.push(UNDRAWN.into());
+            }
+            findings(search, found, &scatter)
+        }
     };
     let fit = fit(search, found, reported(verdict, found));
     let mut diagnosis = Diagnosis {
@@ -62,6 +73,7 @@ pub fn conclude(
             .iter()
             .filter_map(|own| candidate(found, own))
             .collect(),
+        ended_early: false,
         remarks,
     };
     let scale = super::tracker_scale::tell(search, &mut diagnosis);
@@ -91,6 +103,9 @@ pub fn conclude(
         search.judge.data.judged_by,
         search.problem.catalogue,
     );
+    if found.is_unfinished {
+        diagnosis.end_early();
+    }
     Concluded {
         diagnosis,
         scale,

@@ -24,6 +24,9 @@ impl Search<'_> {
     /// that take part in the halving are followed.
     pub(super) fn continued(&self, from: &Explanation, halving: &Halving) -> Vec<Candidate> {
         let own = from.effects();
+        if self.problem.is_cut() {
+            return Vec::new();
+        }
         let done = self.known.alone || halving.is_won() || self.leaves_noise(from);
         let winding = |effect: &EffectAt| {
             effect.0.has_many_minima() && !own.contains(effect) && (halving.has(*effect) || !done)
@@ -64,7 +67,8 @@ impl Search<'_> {
                 let last = ends.last();
                 let last = last.map_or(start.clone(), |(_, end)| end.without(from.terms.len()));
                 ends.push(step(&last, values));
-                if ends.last().is_some_and(|(cost, _)| *cost > lost) {
+                let is_lost = ends.last().is_some_and(|(cost, _)| *cost > lost);
+                if is_lost || self.problem.is_cut() {
                     break;
                 }
             }

@@ -79,10 +79,13 @@ impl<'a> Descent<'a> {
         self.attempt(1);
     }
 
-    /// Makes at most this many steps; fewer where nothing more is gained.
+    /// Makes at most this many steps; fewer where nothing more is gained, or the search is to end.
     pub fn run(&mut self, iterations: usize) {
         for _ in 0..iterations {
             let before = self.linear.cost;
+            if self.problem.is_cut() {
+                return;
+            }
             self.step();
             if self.is_little(before - self.linear.cost) {
                 return;
@@ -96,6 +99,9 @@ impl<'a> Descent<'a> {
         let mut slow = 0;
         for left in (0..iterations).rev() {
             let before = self.linear.cost;
+            if self.problem.is_cut() {
+                return;
+            }
             self.step();
             let fall = before - self.linear.cost;
             let behind = self.linear.cost - rival;
@@ -108,6 +114,11 @@ impl<'a> Descent<'a> {
                 return;
             }
         }
+    }
+
+    /// Whether the search is to end.
+    pub fn is_cut(&self) -> bool {
+        self.problem.is_cut()
     }
 
     /// Whether the misfit has many minima over the size of the last effect.

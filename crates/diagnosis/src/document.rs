@@ -17,7 +17,7 @@ pub enum Verdict {
     NoMismatch,
     /// One explanation stands out.
     Named,
-    /// Several explanations fit alike.
+    /// Several explanations fit alike, or the search was ended before all were tried.
     Ambiguous,
     /// The named physics is there, and something besides it.
     PartlyExplained,
@@ -63,7 +63,8 @@ pub struct Finding {
     pub effect: String,
     /// Its place in the chain.
     pub place: String,
-    /// Probability that it is missing: of all explanations together that have it, by their marginal likelihoods.
+    /// Probability that it is missing: of all explanations together that have it, by their marginal likelihoods, among
+    /// those that were fitted.
     pub probability: f64,
     /// Its parameters.
     pub parameters: Vec<FittedParameter>,
@@ -329,6 +330,10 @@ pub struct Diagnosis {
     pub next_move: Option<NextMove>,
     /// The ranking, best first.
     pub candidates: Vec<Candidate>,
+    /// Whether the search was ended, by a time limit or by its own limit of work, while there was more to try. All
+    /// probabilities are then among what was fitted.
+    #[serde(default)]
+    pub ended_early: bool,
     /// What the reader should know: irregular clocks, parameters at their bounds, what was not tried.
     pub remarks: Vec<String>,
 }

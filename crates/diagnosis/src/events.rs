@@ -28,7 +28,7 @@ impl Search<'_> {
         let temperature = CALIBRATED * self.judge.unit(&explanation);
         let mut best = explanation.clone();
         let mut known = None;
-        for (recording, time) in candidates {
+        for (recording, time) in candidates.take_while(|_| !self.problem.is_cut()) {
             let point = &best.fitted.point;
             let here = |term: &&Term| is_like(term, event) && term.recording == Some(recording);
             let own = point.terms.iter().filter(here);

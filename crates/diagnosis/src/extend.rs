@@ -109,7 +109,9 @@ impl Search<'_> {
             point.start_as(&start);
             self.refitted(&point)
         };
-        let recalled: Vec<Explanation> = self.known.points.par_iter().map(again).collect();
+        let known = self.known.points.par_iter();
+        let known = known.filter(|_| !self.problem.is_cut());
+        let recalled: Vec<Explanation> = known.map(again).collect();
         recalled.into_iter().for_each(|own| pool.add(own));
     }
 

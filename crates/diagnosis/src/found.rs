@@ -29,6 +29,8 @@ pub struct Found {
     pub ranked: Vec<(Explanation, f64)>,
     /// Temperature of the evidence.
     pub temperature: f64,
+    /// Whether the search was ended while there was more to try.
+    pub is_unfinished: bool,
 }
 
 /// The reported explanation of a pool.
@@ -62,6 +64,7 @@ impl Search<'_> {
             ablated: told.ablated,
             ranked,
             temperature,
+            is_unfinished: pool.is_unfinished,
         }
     }
 

@@ -17,6 +17,7 @@ mod displacement;
 mod document;
 mod draw;
 mod elsewhere;
+mod ended_early;
 mod error;
 mod events;
 mod evidence;

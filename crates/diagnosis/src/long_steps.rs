@@ -49,7 +49,11 @@ pub fn searched_in_long_steps(
     let pool = settled(&mut own, projector, &other, Pool::new(first), told);
     problem.sensor_noise = own.sensor_noise;
     (problem.noise, problem.whitening) = (own.noise, own.whitening);
-    Some(search(problem, projector, judge, told).fitted_again(&pool))
+    Some(match problem.is_cut() {
+        // It is fitted again where the search ends.
+        true => pool,
+        false => search(problem, projector, judge, told).fitted_again(&pool),
+    })
 }
 
 /// Whether the error of long steps, beyond what the model's keys compensate, is too small for the sensors.

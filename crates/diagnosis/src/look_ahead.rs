@@ -26,6 +26,7 @@ impl Search<'_> {
             let own = ahead.most_likely(count);
             for own in &own {
                 if self.is_over() {
+                    pool.is_unfinished = true;
                     return false;
                 }
                 if !ahead.is_extended(own, Table::Named) {

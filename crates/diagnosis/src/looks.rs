@@ -110,10 +110,7 @@ fn look(
     }
     mute(model, train, &fitted)?;
     mute(model, &held_out.recordings, &apart)?;
-    let unknown = Known {
-        enough: options.enough.clone(),
-        ..Known::default()
-    };
+    let unknown = Known::default();
     let once = |pieces, known: &Known| {
         attempt(
             model,
@@ -149,6 +146,9 @@ fn look(
             believable,
             points,
         } = when_coupled(&unknown)?;
+        if options.enough.now() {
+            return Ok(ended_early(outcome));
+        }
         if believable && halves(&outcome) {
             // The coupling takes the motion back within its memory, and with it most of what a slow error does. If
             // the same findings explain the windows, too, these determine the parameters far better.
@@ -160,6 +160,7 @@ fn look(
             let longer = windowed(once(in_windows()?, &seen)?);
             return Ok(match explains_by_findings(&longer.outcome) {
                 true => longer.outcome,
+                false if options.enough.now() => ended_early(outcome),
                 false => outcome,
             });
         }
@@ -170,6 +171,9 @@ fn look(
                 ..unknown.clone()
             };
             outcome = when_coupled(&nothing)?.outcome;
+        }
+        if options.enough.now() {
+            return Ok(ended_early(outcome));
         }
         in_noise = (outcome.diagnosis.verdict == Verdict::NoMismatch).then_some(outcome);
     }
@@ -185,11 +189,14 @@ fn look(
     // If the model explains the coupled motion down to the noise, it lacks at most slower physics, which
     // windows show.
     if let Some(outcome) = in_noise {
-        return Ok(if halves(&in_windows) {
-            in_windows
-        } else {
-            outcome
+        return Ok(match halves(&in_windows) {
+            true => in_windows,
+            false if options.enough.now() => ended_early(outcome),
+            false => outcome,
         });
+    }
+    if options.enough.now() {
+        return Ok(ended_early(in_windows));
     }
     let alone = explains_by_findings(&in_windows);
     let seen = Known {
@@ -208,9 +215,16 @@ fn look(
     let is_right =
         alone && took && fit.after.held_out_rms < in_one.diagnosis.fit.after.held_out_rms;
     Ok(match is_right || is_better(&in_windows, &in_one, known) {
+        true if options.enough.now() => ended_early(in_windows),
         true => in_windows,
         false => in_one,
     })
+}
+
+/// The outcome of a look, if there was no time for another one.
+fn ended_early(mut outcome: Outcome) -> Outcome {
+    outcome.diagnosis.end_early();
+    outcome
 }
 
 /// A look in windows, which says so.

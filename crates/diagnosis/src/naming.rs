@@ -15,6 +15,9 @@ impl Search<'_> {
     /// Replaces the learned laws of the best explanation by named ones. Returns whether there is a better
     /// explanation.
     pub fn name(&self, pool: &mut Pool) -> bool {
+        if self.problem.is_cut() {
+            return false;
+        }
         let best = pool.best(self.judge).clone();
         let temperature = pool.temperature(self.judge);
         let point = &best.fitted.point;

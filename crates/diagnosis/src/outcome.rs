@@ -16,7 +16,7 @@ pub struct Options {
     /// Ends the diagnosis before its time; by default nothing does.
     pub stop: Stop,
     /// Ends the search for further effects with the best explanation so far; by default nothing does. It is
-    /// asked before each structure that is extended.
+    /// asked before each step of a fit. Of the conclusion only what is short is made after it.
     pub enough: Stop,
 }
 

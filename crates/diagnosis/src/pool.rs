@@ -36,6 +36,8 @@ pub struct Pool {
     all: Vec<Entry>,
     /// Whether structures of more effects than the best one's were searched ahead.
     pub looked_ahead: bool,
+    /// Whether the search was ended while there were structures left that it would have fitted.
+    pub is_unfinished: bool,
 }
 
 impl Pool {
@@ -48,6 +50,7 @@ impl Pool {
                 thinned: false,
             }],
             looked_ahead: false,
+            is_unfinished: false,
         }
     }
 
@@ -94,6 +97,7 @@ impl Pool {
         Self {
             all: kept.map(entry).collect(),
             looked_ahead: self.looked_ahead,
+            is_unfinished: self.is_unfinished,
         }
     }
 

@@ -62,11 +62,19 @@ pub struct Problem<'a> {
     pub frozen: bool,
     /// Ends the work before its time.
     pub stop: Stop,
+    /// Ends the search before its time: fits stay where they are, and no further ones begin. What is told of the search
+    /// afterwards is fitted to its end, with this one unset.
+    pub enough: Stop,
     /// Number of simulated steps so far: a measure of the work that is the same on every machine.
     pub simulated: Arc<AtomicU64>,
 }
 
 impl Problem<'_> {
+    /// Whether the search, or all work, is to end now.
+    pub(super) fn is_cut(&self) -> bool {
+        self.enough.now() || self.stop.now()
+    }
+
     /// Starting point: the model's values, and first guesses of the clocks.
     pub fn start(&self, model: &Model) -> Point {
         let local = |experiment: &Experiment| Local {

@@ -11,7 +11,7 @@ use super::explanation::Explanation;
 use super::fit::Fitted;
 use super::judge::Judge;
 use super::long_steps::searched_in_long_steps;
-use super::next_move::next_move;
+use super::next_move::{Late, next_move};
 use super::outcome::{Options, Outcome, Progress};
 use super::point::Point;
 use super::pool::Pool;
@@ -19,14 +19,18 @@ use super::problem::Problem;
 use super::projector::Projector;
 use super::remarks::recorded;
 use super::scores::Recordings;
-use super::settled::{search, settled};
+use super::settled::{finished, search, settled};
 use super::start::ringing;
+use super::stop::Stop;
 use super::thresholds::LONG;
 use super::units::units;
 use super::weights::measure_noise;
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
 use std::sync::Arc;
+
+/// Remark where the next move was left out.
+const LATE: &str = "The time was over before the next move was found.";
 
 /// Result of one look.
 pub(super) struct Looked {
@@ -91,31 +95,39 @@ fn investigate(
     options.stop.check()?;
     progress(0.15, "screening the catalogue");
     let told = (known, progress);
+    problem.enough = options.enough.clone();
     let pool = searched_in_long_steps(&mut problem, &mut projector, &judge, &baseline, told);
     let pool = pool.unwrap_or_else(|| Pool::new(baseline));
-    let pool = settled(&mut problem, &mut projector, &judge, pool, told);
+    let mut pool = settled(&mut problem, &mut projector, &judge, pool, told);
+    let cut = problem.is_cut();
+    // What is told is fitted to its end.
+    problem.enough = Stop::default();
+    if cut {
+        pool = finished(&mut problem, &mut projector, &judge, &pool, told);
+    }
+    pool.is_unfinished |= cut;
     let search = search(&problem, &projector, &judge, told);
     let found = search.found(pool);
     options.stop.check()?;
     remarks.extend(super::remarks::remarks(&problem, &found));
     remarks.extend(search.elsewhere(&found));
-    if options.enough.was_asked() {
-        let remark = "The search was ended early. This is the best explanation so far; further effects may be missing.";
-        remarks.push(remark.into());
-    }
     let told = (recordings, remarks);
     let Concluded {
         mut diagnosis,
         scale,
         better,
-    } = conclude(&search, &found, &located, told, options.seed);
+    } = conclude(&search, &found, &located, told, options);
     if let Some(untold) = untold {
         untold.said(&mut diagnosis);
     }
     options.stop.check()?;
     let verdict = diagnosis.verdict;
-    diagnosis.next_move =
-        next_move(&search, &found, verdict).or_else(|| scale.as_ref()?.next_move());
+    let next = next_move(&search, &found, verdict, &options.enough);
+    let next = next.unwrap_or_else(|Late| {
+        diagnosis.remarks.push(LATE.into());
+        None
+    });
+    diagnosis.next_move = next.or_else(|| scale.as_ref()?.next_move());
     let told = reported(verdict, &found);
     let points = found.points();
     let traces = draw(&search, &found.baseline, told, &located);

@@ -137,7 +137,7 @@ pub fn screen(
     };
     let tried: Vec<Vec<Start>> = candidates(problem, table)
         .into_par_iter()
-        .filter(|effect| !there(*effect))
+        .filter(|effect| !there(*effect) && !problem.is_cut())
         .map(|(effect, place)| match effect.is_learned() {
             true => screen.curves(effect, place),
             false => screen.sizes(effect, place, each),

@@ -45,7 +45,11 @@ impl Search<'_> {
             while self.grow(pool) {}
             let is_better =
                 self.learn(pool) || self.name(pool) || self.exchange(pool) || self.look_ahead(pool);
-            if !is_better || self.is_over() {
+            if !is_better {
+                return;
+            }
+            if self.is_over() {
+                pool.is_unfinished |= self.next(pool).is_some();
                 return;
             }
         }
@@ -53,18 +57,18 @@ impl Search<'_> {
 
     /// Whether the search is to end.
     pub fn is_over(&self) -> bool {
-        let stopped = self.known.enough.now() || self.problem.stop.now();
-        stopped || self.problem.simulated.load(Relaxed) > ENOUGH
+        self.problem.is_cut() || self.problem.simulated.load(Relaxed) > ENOUGH
     }
 
     /// Extends the next structure of a pool by laws of the catalogue; returns whether there was one.
     pub fn grow(&self, pool: &mut Pool) -> bool {
-        if pool.is_extended(pool.baseline(), Table::Named) && self.is_over() {
-            return false;
-        }
         let Some(next) = self.next(pool) else {
             return false;
         };
+        if pool.is_extended(pool.baseline(), Table::Named) && self.is_over() {
+            pool.is_unfinished = true;
+            return false;
+        }
         (self.progress)(0.5, "looking for a further effect");
         self.extend_by(pool, &next, Table::Named);
         true
@@ -78,8 +82,9 @@ impl Search<'_> {
 
     /// The same without thinning out.
     pub fn add_extended(&self, pool: &mut Pool, own: &Explanation, table: Table) {
-        for child in self.extend(own, table, pool) {
-            pool.add(child);
+        if !self.problem.is_cut() {
+            let children = self.extend(own, table, pool);
+            children.into_iter().for_each(|child| pool.add(child));
         }
         pool.mark(own, table);
     }
@@ -90,14 +95,14 @@ impl Search<'_> {
     fn learn(&self, pool: &mut Pool) -> bool {
         let before = pool.best(self.judge).clone();
         let baseline = pool.baseline().clone();
-        if self.is_over() && pool.is_extended(&baseline, Table::Learned) {
-            return false;
-        }
+        let is_over = self.is_over() && pool.is_extended(&baseline, Table::Learned);
         for own in [baseline, before.clone()] {
             let best = pool.best(self.judge);
             let needed = !self.leaves_noise(best) || own.terms() == 0 && best.terms() > 1;
-            if needed && !pool.is_extended(&own, Table::Learned) {
-                self.extend_by(pool, &own, Table::Learned);
+            match needed && !pool.is_extended(&own, Table::Learned) {
+                true if is_over => pool.is_unfinished = true,
+                true => self.extend_by(pool, &own, Table::Learned),
+                false => {}
             }
         }
         !pool.best(self.judge).is_like(&before)
@@ -128,7 +133,9 @@ impl Search<'_> {
     /// that it contains. The explanation of the highest evidence is treated so first, even with a parameter at the end of its
     /// range. Structures without a term are fitted again from here: the term may have led the others out of a false minimum.
     pub fn thin_out(&self, pool: &mut Pool) {
-        while let Some(own) = pool.next_to_thin_out(self.judge) {
+        while !self.problem.is_cut()
+            && let Some(own) = pool.next_to_thin_out(self.judge)
+        {
             let point = &own.fitted.point;
             let terms: Vec<usize> = (point.given_terms..point.terms.len()).collect();
             let simpler = terms.into_par_iter().flat_map_iter(|term| {
@@ -152,19 +159,25 @@ impl Search<'_> {
         };
         for term in terms {
             let kept = pool.like(&point.without(term)).cloned();
-            let kept = kept.filter(|kept| !pool.is_extended(kept, Table::Named));
-            if let Some(kept) = kept.filter(|_| !self.is_over()) {
-                self.extend_by(pool, &kept, Table::Named);
+            if let Some(kept) = kept {
+                self.exchange_at(pool, &kept);
             }
         }
         if best.is_learned() {
             for own in pool.most_likely(best.terms()) {
-                if !pool.is_extended(&own, Table::Named) && !self.is_over() {
-                    self.extend_by(pool, &own, Table::Named);
-                }
+                self.exchange_at(pool, &own);
             }
         }
         !pool.best(self.judge).is_like(&best)
+    }
+
+    /// Extends a structure by the catalogue, unless that was done, or the search is to end.
+    fn exchange_at(&self, pool: &mut Pool, own: &Explanation) {
+        match !pool.is_extended(own, Table::Named) {
+            true if self.is_over() => pool.is_unfinished = true,
+            true => self.extend_by(pool, own, Table::Named),
+            false => {}
+        }
     }
 }
 

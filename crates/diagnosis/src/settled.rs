@@ -32,6 +32,9 @@ pub fn settled(
         search(problem, projector, judge, told).extend_by(&mut pool, &baseline, Table::Named);
     }
     for _ in 0..AGAIN {
+        if problem.is_cut() {
+            break;
+        }
         let measured = with_noise_of_best(problem, projector, judge, &pool, told);
         pool = measured.unwrap_or(pool);
         let before = pool.extended();
@@ -41,6 +44,22 @@ pub fn settled(
         }
     }
     pool
+}
+
+/// The explanations of a search that was cut, fitted to their end with the noise that the best of them leaves. The
+/// problem must not be cut any more.
+pub fn finished(
+    problem: &mut Problem,
+    projector: &mut Projector,
+    judge: &Judge,
+    pool: &Pool,
+    told: (&Known, Progress),
+) -> Pool {
+    let best = problem.fit(&pool.best(judge).fitted.point, projector, LONG);
+    if measured_again(problem, &best.point) {
+        *projector = Projector::new(problem);
+    }
+    search(problem, projector, judge, told).converged(pool)
 }
 
 /// The explanations, fitted again if the residual of the best one shows another noise.
@@ -74,6 +93,11 @@ impl Search<'_> {
         });
         self.thin_out(&mut again);
         again
+    }
+
+    /// The most probable explanations of a pool, each fitted from where its fit was left.
+    fn converged(&self, pool: &Pool) -> Pool {
+        pool.map(self.judge, |own| self.refitted(&own.fitted.point))
     }
 }
 

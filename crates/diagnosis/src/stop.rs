@@ -48,6 +48,12 @@ impl Stop {
         }
     }
 
+    /// Stops where this one or the other does.
+    pub(super) fn or(&self, other: &Self) -> Self {
+        let both = [self.clone(), other.clone()];
+        Self::when(move || both.iter().any(Self::now))
+    }
+
     /// Whether the answer was ever yes, so that a simulation may have been skipped.
     pub(super) fn was_asked(&self) -> bool {
         let said = |asked: &Arc<Asked>| asked.said.load(Relaxed);

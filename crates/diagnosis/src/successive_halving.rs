@@ -85,7 +85,8 @@ impl<'a> Halving<'a> {
         };
         let near = candidate.near.iter().map(|point| start(point, self.linear));
         let far = candidate.far.iter().map(|point| start(point, None));
-        let mut starts: Vec<Descent> = near.chain(far).collect();
+        let all = near.chain(far).take_while(|_| !problem.is_cut());
+        let mut starts: Vec<Descent> = all.collect();
         starts.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         Entrant {
             effect: candidate.effect,

@@ -44,6 +44,7 @@ pub fn silent(
             nuisances: BTreeMap::new(),
             next_move: None,
             candidates: Vec::new(),
+            ended_early: false,
             remarks: recorded(recordings),
         },
         model: model.clone(),

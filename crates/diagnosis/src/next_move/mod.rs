@@ -18,7 +18,9 @@ use super::document::{NextMove, Verdict};
 use super::explanation::Explanation;
 use super::found::Found;
 use super::point::EffectAt;
+use super::problem::Problem;
 use super::search::Search;
+use super::stop::Stop;
 use advice::advice;
 use contest::Contest;
 use distance::Rival;
@@ -37,12 +39,39 @@ const ENOUGH: f64 = 30.0;
 /// Number of equals that are considered, the nearest ones.
 const RIVALS: usize = 3;
 
-/// The next move; `None` where nothing is in doubt or nothing was explained.
-pub fn next_move(search: &Search, found: &Found, verdict: Verdict) -> Option<NextMove> {
+/// There was no time for the next move.
+pub struct Late;
+
+/// The next move; none where nothing is in doubt or nothing was explained.
+///
+/// # Errors
+/// [`Late`] where it was not found before `enough`.
+pub fn next_move(
+    search: &Search,
+    found: &Found,
+    verdict: Verdict,
+    enough: &Stop,
+) -> Result<Option<NextMove>, Late> {
     let doubtful = matches!(verdict, Verdict::Ambiguous | Verdict::PartlyExplained);
     if !doubtful || found.equals.is_empty() {
-        return None;
+        return Ok(None);
     }
+    let problem = &Problem {
+        stop: search.problem.stop.or(enough),
+        ..search.problem.clone()
+    };
+    if problem.stop.now() {
+        return Err(Late);
+    }
+    let next = between_equals(&Search { problem, ..*search }, found);
+    match problem.stop.was_asked() {
+        true => Err(Late),
+        false => Ok(Some(next)),
+    }
+}
+
+/// The move that tells the best explanation from its equals.
+fn between_equals(search: &Search, found: &Found) -> NextMove {
     (search.progress)(0.9, "looking for the next move");
     let mut equals: Vec<&Explanation> = found.equals.iter().collect();
     equals.truncate(RIVALS);
@@ -60,7 +89,7 @@ pub fn next_move(search: &Search, found: &Found, verdict: Verdict) -> Option<Nex
         unit: found.temperature,
     };
     let payload = Payload::HALF_MORE.changes(search.problem);
-    Some(propose(&contest, &pairs, payload))
+    propose(&contest, &pairs, payload)
 }
 
 /// The best explanation and one of its equals.
