@@ -63,6 +63,7 @@ pub fn remarks(problem: &Problem, found: &Found) -> Vec<String> {
         }
     }
     remarks.extend(gains(problem, point));
+    remarks.extend(directions(problem));
     for index in problem.free_payloads.clone() {
         let named = |index: usize| problem.payloads[index].as_deref().unwrap_or("none");
         remarks.push(format!(
@@ -93,6 +94,21 @@ impl Problem<'_> {
         };
         self.free.iter().copied().filter(is_at_end)
     }
+}
+
+/// How accelerometers of several columns are mounted.
+fn directions(problem: &Problem) -> Vec<String> {
+    let outputs = problem.experiments.iter().flat_map(|own| &own.outputs);
+    let several = outputs.filter(|output| !output.direction.is_empty());
+    let told = several.map(|output| {
+        let shares: Vec<String> = output.direction.iter().map(|x| format!("{x:.3}")).collect();
+        format!(
+            "Of the columns of {} the reading along ({}) was used: the direction of the tip's motion, as the motion shows it.",
+            output.channel,
+            shares.join(", ")
+        )
+    });
+    told.collect()
 }
 
 /// Fitted values of gains that were not known.

@@ -25,6 +25,8 @@ pub struct Output {
     pub witness: Vec<(Vec<f64>, f64)>,
     /// Radius of the tip's circle as the tracker saw it, if the arc determines it.
     pub radius: Option<Radius>,
+    /// Direction of the tip's motion in the columns of an accelerometer, a unit vector; empty where one column was given.
+    pub direction: Vec<f64>,
     /// First guess of an unknown gain; the last of the columns corrects it.
     pub gain: Option<Gain>,
     /// Factor from residuals to reported errors, which are in `unit`.

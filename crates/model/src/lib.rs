@@ -33,6 +33,7 @@ mod smoothing;
 mod start;
 mod stepper;
 mod tally;
+mod tangent;
 mod trace;
 mod two_mass;
 mod windows;
@@ -129,6 +130,17 @@ pub enum ExperimentError {
         value: f64,
         /// Its unit.
         unit: String,
+    },
+    /// Several columns of an accelerometer, in a motion that does not show how it is mounted.
+    #[error(
+        "{role} has {columns} columns, and the motion does not show which direction in them is that of the tip: record more \
+         motion, or give the one column along the tip's motion"
+    )]
+    NoTangent {
+        /// The channel.
+        role: Role,
+        /// Number of its columns.
+        columns: usize,
     },
     /// A channel is invalid, or a sensor's frame cannot be determined.
     #[error(transparent)]

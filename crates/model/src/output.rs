@@ -4,6 +4,7 @@ use super::chain::MotorSide;
 use super::circle::{Circle, frame_columns};
 use super::experiment::{Experiment, Output};
 use super::gain::{Gain, slope};
+use super::tangent::along_tangent;
 use super::{ExperimentError, Model};
 use nalgebra::Point3;
 use quell_recording::{Channel, Role};
@@ -25,12 +26,14 @@ pub(super) fn output(
     }
     let arm = model.value("lever_arm_m").unwrap_or(1.0);
     let (mut scale, mut unit) = (1.0, channel.unit);
-    let mut values = channel.columns.swap_remove(0);
     let in_metres = unit == "m" || unit == "m/s^2";
     if in_metres && experiment.position_unit == "rad" || channel.role == Role::TipAcceleration {
-        values.iter_mut().for_each(|value| *value /= arm);
+        let values = channel.columns.iter_mut().flatten();
+        values.for_each(|value| *value /= arm);
         scale = arm;
     }
+    let several = channel.columns.split_off(1);
+    let values = channel.columns.swap_remove(0);
     if unit == "1" {
         unit = String::new();
     }
@@ -43,7 +46,7 @@ pub(super) fn output(
         true => Vec::new(),
         false => vec![vec![1.0; values.len()]],
     };
-    Ok(Output {
+    let mut output = Output {
         role: match channel.role {
             Role::TipAcceleration => Role::LinkAcceleration,
             role => role,
@@ -52,6 +55,7 @@ pub(super) fn output(
         columns,
         witness: Vec::new(),
         radius: None,
+        direction: Vec::new(),
         gain: None,
         own_clock: !on_one_clock(model, experiment, &channel.time),
         time: channel.time,
@@ -61,7 +65,12 @@ pub(super) fn output(
         clock_offset: 0.0,
         noise_witness: None,
         coordinate_step: None,
-    })
+    };
+    if !several.is_empty() {
+        let columns = [vec![std::mem::take(&mut output.values)], several].concat();
+        (output.values, output.direction) = along_tangent(model, experiment, (&output, &columns))?;
+    }
+    Ok(output)
 }
 
 /// Whether an output shares the clock of the input. A torque that is given at some of the stamps of a motion
@@ -125,6 +134,7 @@ fn tip(
         time: channel.time,
         witness: circle.as_ref().map_or_else(Vec::new, Circle::witness),
         radius: circle.map(|circle| circle.radius),
+        direction: Vec::new(),
         gain: None,
         columns: frame_columns(&angle),
         values: angle,
@@ -201,6 +211,7 @@ impl Output {
             columns,
             unit: self.unit.clone(),
             gain: self.gain.clone(),
+            direction: self.direction.clone(),
             ..*self
         }
     }
