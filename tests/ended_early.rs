@@ -48,10 +48,7 @@ fn what_follows_is_short_and_nothing_is_certain() {
             );
         }
         let undrawn = |own: &String| own.contains("before the bootstrap");
-        assert_eq!(
-            early.remarks.iter().any(undrawn),
-            !early.findings.is_empty()
-        );
+        assert!(early.remarks.iter().any(undrawn), "{:?}", early.remarks);
     }
     assert!(found > 0);
 }

@@ -107,6 +107,16 @@ fn columns_of_a_turned_sensor_are_read_along_the_motion() {
     assert_eq!(three.verdict, Verdict::NoMismatch, "{}", three.summary);
     let frequency = three.nuisances["natural_frequency_hz"];
     assert!((frequency - 8.0).abs() < 8e-3, "{frequency}");
+    for (key, truth) in [("natural_frequency_hz", 8.0), ("damping_ratio", 0.03)] {
+        let [from, to] = three.nuisances_ci95[key];
+        // Twice as wide, so that one in twenty is no failure.
+        let spare = 0.5 * (to - from);
+        assert!(
+            from - spare < truth && truth < to + spare,
+            "{key}: {from} to {to}"
+        );
+        assert!(from < three.nuisances[key] && three.nuisances[key] < to);
+    }
     let told = |own: &String| {
         own.contains("tip_acceleration") && own.contains("the direction of the tip's motion")
     };

@@ -47,6 +47,8 @@ class Diagnosis(Reported):
         The fit before and after.
     nuisances : dict of str to float
         What was fitted besides.
+    nuisances_ci95 : dict of str to list of float
+        95 % confidence intervals of those that are parameters of the model.
     next_move : NextMove or None
         What to do to be sure.
     candidates : tuple of Candidate
@@ -67,6 +69,7 @@ class Diagnosis(Reported):
     location: Location
     fit: Fit
     nuisances: dict[str, float]
+    nuisances_ci95: dict[str, list[float]]
     next_move: NextMove | None
     candidates: tuple[Candidate, ...]
     ended_early: bool

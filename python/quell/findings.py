@@ -226,6 +226,8 @@ class Candidate:
         Its probability among the explanations that were looked at.
     held_out_ratio : float
         Held-out chi-squared over that of the refitted model.
+    refused : str or None
+        Why it is refused, whatever its evidence: its probability is then 0.
     """
 
     effect: str
@@ -233,6 +235,7 @@ class Candidate:
     log_evidence: float
     probability: float
     held_out_ratio: float
+    refused: str | None
 
 
 @dataclass(frozen=True, eq=False)

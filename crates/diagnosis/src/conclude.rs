@@ -1,5 +1,6 @@
 //! Verdict, findings and the better model from the result of the search.
 
+use super::alternatives::alternatives;
 use super::better_model::better_model;
 use super::bootstrap::{Scatter, bootstrap};
 use super::document::{
@@ -7,9 +8,10 @@ use super::document::{
 };
 use super::draw::shown;
 use super::explanation::Explanation;
-use super::found::{Found, is_or_contains};
+use super::found::Found;
 use super::law_band::law_curve;
 use super::locate::Located;
+use super::nuisances::{intervals_of_keys, nuisances};
 use super::outcome::Options;
 use super::point::{EffectAt, Global, Point};
 use super::quality::{level, quality};
@@ -19,8 +21,7 @@ use super::split::HeldOut;
 use super::summary::{summary, times, whole};
 use super::tracker_scale::TrackerScale;
 use quell_model::Model;
-use quell_model::effects::{Effect, ParameterRole};
-use std::collections::BTreeMap;
+use quell_model::effects::ParameterRole;
 use std::f64::consts::TAU;
 
 /// Remark on intervals without a bootstrap.
@@ -46,15 +47,14 @@ pub fn conclude(
     options: &Options,
 ) -> Concluded {
     let verdict = verdict(search, found, located);
+    // Where no effect is told, the best explanation is the refitted model.
+    let scatter = bootstrap(search, found, options);
+    if !scatter.is_drawn {
+        remarks.push(UNDRAWN.into());
+    }
     let findings = match verdict {
         Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => Vec::new(),
-        _ => {
-            let scatter = bootstrap(search, found, options);
-            if !scatter.is_drawn {
-                remarks.push(UNDRAWN.into());
-            }
-            findings(search, found, &scatter)
-        }
+        _ => findings(search, found, &scatter),
     };
     let fit = fit(search, found, reported(verdict, found));
     let mut diagnosis = Diagnosis {
@@ -67,11 +67,12 @@ pub fn conclude(
         },
         fit,
         nuisances: nuisances(search, reported(verdict, found)),
+        nuisances_ci95: intervals_of_keys(search, &found.best, &scatter),
         next_move: None,
         candidates: found
             .ranked
             .iter()
-            .filter_map(|own| candidate(found, own))
+            .filter_map(|own| candidate(search, found, own))
             .collect(),
         ended_early: false,
         remarks,
@@ -168,7 +169,11 @@ fn verdict(search: &Search, found: &Found, located: &Located) -> Verdict {
     }
 }
 
-fn candidate(found: &Found, (own, probability): &(Explanation, f64)) -> Option<Candidate> {
+fn candidate(
+    search: &Search,
+    found: &Found,
+    (own, probability): &(Explanation, f64),
+) -> Option<Candidate> {
     let effects = own.effects();
     let names: Vec<&str> = effects.iter().map(|effect| effect.0.name).collect();
     let log_evidence = found.log_evidence(own);
@@ -184,6 +189,7 @@ fn candidate(found: &Found, (own, probability): &(Explanation, f64)) -> Option<C
         log_evidence,
         probability: *probability,
         held_out_ratio,
+        refused: search.refusal(found, own).map(str::to_string),
     })
 }
 
@@ -209,19 +215,7 @@ fn finding(
     parameters: Vec<FittedParameter>,
 ) -> Finding {
     let (best, without) = (&found.best, found.without(effect));
-    let own = best.effects();
-    let mut alternatives: Vec<&Effect> = Vec::new();
-    let without_it = |own: &&Explanation| {
-        let effects = own.effects();
-        !effects.iter().any(|law| is_or_contains(law, &effect))
-    };
-    for equal in found.equals.iter().filter(without_it) {
-        for (other, _) in equal.effects() {
-            if !own.iter().any(|own| own.0 == other) && !alternatives.contains(&other) {
-                alternatives.push(other);
-            }
-        }
-    }
+    let equals: Vec<_> = found.equals.iter().map(Explanation::effects).collect();
     let noise = |chi: f64, rows: usize| (chi / rows.max(1) as f64).sqrt();
     let rows = search.judge.held_out_rows;
     let odds = found.log_evidence(best) - found.log_evidence(without);
@@ -237,7 +231,7 @@ fn finding(
             times(noise(best.held_out, rows)),
             whole(odds),
         ),
-        alternatives: alternatives
+        alternatives: alternatives(effect, &best.effects(), &equals)
             .into_iter()
             .map(|other| other.name.to_string())
             .collect(),
@@ -276,44 +270,6 @@ fn parameters(
                 ci95: ci95.map(|edge| edge * factor),
             });
         }
-    }
-    all
-}
-
-fn nuisances(search: &Search, explanation: &Explanation) -> BTreeMap<String, f64> {
-    let mut all = BTreeMap::new();
-    let point = &explanation.fitted.point;
-    for (e, experiment) in search.problem.experiments.iter().enumerate() {
-        let mark = if e == 0 {
-            String::new()
-        } else {
-            format!("_{}", e + 1)
-        };
-        for (k, output) in experiment
-            .outputs
-            .iter()
-            .enumerate()
-            .filter(|(_, o)| o.own_clock)
-        {
-            let name = match k {
-                0 => format!("clock_offset_s{mark}"),
-                _ => format!("clock_offset_of_{}_s{mark}", output.channel.name()),
-            };
-            all.insert(name, point.locals[e].clocks[k]);
-        }
-    }
-    for index in search.problem.free_payloads.clone() {
-        let payload = search.problem.payloads[index].as_deref().unwrap_or("none");
-        all.insert(
-            format!("relative_inertia_with_payload {payload}"),
-            point.inertias[index],
-        );
-    }
-    for &key in &search.problem.free {
-        all.insert(
-            search.problem.kind.keys[key].name.to_string(),
-            point.keys[key],
-        );
     }
     all
 }

@@ -274,6 +274,9 @@ pub struct Candidate {
     pub probability: f64,
     /// Held-out chi-squared over that of the refitted model.
     pub held_out_ratio: f64,
+    /// Why it is refused, whatever its evidence: its probability is then 0. None where it is not.
+    #[serde(default)]
+    pub refused: Option<String>,
 }
 
 impl Diagnosis {
@@ -326,9 +329,13 @@ pub struct Diagnosis {
     pub fit: Fit,
     /// What was fitted besides: clock offsets, output offsets, the model's own parameters.
     pub nuisances: BTreeMap<String, f64>,
+    /// 95 % confidence intervals of those of them that are parameters of the model.
+    #[serde(default)]
+    pub nuisances_ci95: BTreeMap<String, [f64; 2]>,
     /// What to do to be sure.
     pub next_move: Option<NextMove>,
-    /// The ranking, best first.
+    /// The ranking, best first; those with a parameter at the end of its range come after all others, whatever their
+    /// evidence.
     pub candidates: Vec<Candidate>,
     /// Whether the search was ended, by a time limit or by its own limit of work, while there was more to try. All
     /// probabilities are then among what was fitted.

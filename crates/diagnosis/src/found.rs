@@ -27,6 +27,8 @@ pub struct Found {
     pub ablated: Vec<Explanation>,
     /// All explanations of the search, the most probable first, each with its probability.
     pub ranked: Vec<(Explanation, f64)>,
+    /// More probable explanations that are not reported, for what they predict or for their parameters.
+    pub refused: Vec<Explanation>,
     /// Temperature of the evidence.
     pub temperature: f64,
     /// Whether the search was ended while there was more to try.
@@ -63,6 +65,7 @@ impl Search<'_> {
             best: told.best,
             ablated: told.ablated,
             ranked,
+            refused: told.refused,
             temperature,
             is_unfinished: pool.is_unfinished,
         }
@@ -112,6 +115,22 @@ impl Search<'_> {
             best: pool.baseline().clone(),
             ablated: Vec::new(),
             refused,
+        }
+    }
+
+    /// Why an explanation has no probability, whatever its evidence; `None` where it has one.
+    pub fn refusal(&self, found: &Found, own: &Explanation) -> Option<&'static str> {
+        let refused = || found.refused.iter().any(|other| other.is_like(own));
+        if own.is_at_end {
+            Some("a parameter is at the end of its range")
+        } else if !self.problem.is_meaningful(own, found.temperature) {
+            Some("a parameter may be anything within its range")
+        } else if refused() {
+            Some(
+                "it predicts what was held out worse than without it, or without one of its effects",
+            )
+        } else {
+            None
         }
     }
 

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod alternatives;
 mod baseline;
 mod basin_hopping;
 mod belief;
@@ -52,6 +53,7 @@ mod next_move;
 mod noise;
 mod noise_colour;
 mod normal;
+mod nuisances;
 mod outcome;
 mod point;
 mod pool;

@@ -107,11 +107,10 @@ fn ambiguous(diagnosis: &Diagnosis, catalogue: Catalogue, change: &str) -> Strin
         ["", own] => format!("perhaps {own}"),
         [own, other] => format!("{own}, and perhaps {other}"),
     };
-    let others = match alternatives(diagnosis, catalogue) {
-        none if none.is_empty() => none,
-        others => format!(", which this recording cannot tell from {others}"),
-    };
-    format!("The model lacks {lacks}{others}: {change}.")
+    format!(
+        "The model lacks {lacks}{}: {change}.",
+        alternatives(diagnosis, catalogue)
+    )
 }
 
 fn names<'a>(findings: impl IntoIterator<Item = &'a Finding>, catalogue: Catalogue) -> String {
@@ -128,18 +127,28 @@ fn names<'a>(findings: impl IntoIterator<Item = &'a Finding>, catalogue: Catalog
     names.join(" and ")
 }
 
+/// What the recording cannot tell from the findings, from each its own; nothing where there is nothing.
 fn alternatives(diagnosis: &Diagnosis, catalogue: Catalogue) -> String {
-    let all = diagnosis
+    let others = |finding: &Finding| {
+        let names = finding.alternatives.iter().map(|own| catalogue.title(own));
+        names.collect::<Vec<_>>().join(" or ")
+    };
+    if let [only] = diagnosis.findings.as_slice() {
+        return match others(only) {
+            none if none.is_empty() => none,
+            others => format!(", which this recording cannot tell from {others}"),
+        };
+    }
+    let doubtful = diagnosis
         .findings
         .iter()
-        .flat_map(|finding| &finding.alternatives);
-    let mut names: Vec<String> = Vec::new();
-    for name in all.map(|name| catalogue.title(name)) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
+        .filter(|finding| !finding.alternatives.is_empty());
+    let told =
+        doubtful.map(|finding| format!("{} from {}", finding.title(catalogue), others(finding)));
+    match told.collect::<Vec<_>>().join(", nor ") {
+        none if none.is_empty() => none,
+        told => format!(", where this recording cannot tell {told}"),
     }
-    names.join(" or ")
 }
 
 fn place(diagnosis: &Diagnosis) -> String {

@@ -3,7 +3,7 @@
 use super::case::Case;
 use super::motion::residual;
 use super::score::score_beside;
-use super::shown::{Shown, rms};
+use super::shown::{Shown, digits, rms};
 use quell_diagnosis::Scored;
 use quell_page::{Page, Table};
 
@@ -96,9 +96,16 @@ fn nuisances(case: &Case) -> Table {
     let table = Table::new("Fitted besides")
         .text_column("parameter")
         .column("value", "")
+        .text_column("95 % interval")
         .note("The model's own parameters as refitted, clock and output offsets.");
     let all = case.diagnosis.nuisances.iter();
     all.fold(table, |table, (name, value)| {
-        table.row([name.clone().into(), (*value).into()])
+        let ci95 = case.diagnosis.nuisances_ci95.get(name);
+        let ci95 = ci95.map(|[from, to]| format!("{} to {}", digits(*from, 5), digits(*to, 5)));
+        table.row([
+            name.clone().into(),
+            (*value).into(),
+            ci95.unwrap_or_default().into(),
+        ])
     })
 }

@@ -42,6 +42,7 @@ pub fn silent(
                 scores: Vec::new(),
             },
             nuisances: BTreeMap::new(),
+            nuisances_ci95: BTreeMap::new(),
             next_move: None,
             candidates: Vec::new(),
             ended_early: false,
