@@ -155,7 +155,6 @@ fn look(
             let seen = Known {
                 points,
                 alone: true,
-                ..unknown
             };
             let longer = windowed(once(in_windows()?, &seen)?);
             return Ok(match explains_by_findings(&longer.outcome) {
@@ -168,7 +167,7 @@ fn look(
         if explains_by_findings(&outcome) {
             let nothing = Known {
                 alone: true,
-                ..unknown.clone()
+                ..Known::default()
             };
             outcome = when_coupled(&nothing)?.outcome;
         }
@@ -199,11 +198,7 @@ fn look(
         return Ok(ended_early(in_windows));
     }
     let alone = explains_by_findings(&in_windows);
-    let seen = Known {
-        points,
-        alone,
-        ..unknown
-    };
+    let seen = Known { points, alone };
     let in_one = once(whole, &seen)?.outcome;
     if explains(&in_one) {
         return Ok(in_one);
