@@ -5,6 +5,8 @@ use quell::service::contract::{
 };
 use quell::service::following::{FOLLOWED, healthy};
 
+use quell_trajectories::Limits;
+
 use super::world::{LIMITS, PERIOD, STANDSTILL, WATCHDOG, World, config, first_beyond_limits};
 
 fn state(world: &World) -> EnableState {
@@ -187,6 +189,31 @@ fn ticks_that_are_missed_for_as_long_as_a_robot_may_be_silent_are_a_fault() {
     world.miss(missed - 4);
     world.steps(600);
     assert_eq!(world.last().map(|(_, sent)| sent.position), Some(3.0));
+}
+
+/// The stop after a pause begins at once, and not when as many ticks have gone by as were missed.
+#[test]
+fn a_stop_after_a_long_pause_does_not_wait_for_as_long() {
+    for missed in [30, 300, 900] {
+        let data = tempfile::tempdir().expect("a folder");
+        let mut world = moving(data.path());
+        let at = world.last().expect("setpoints").1.position;
+        world.miss(missed);
+        world.steps(400);
+        let Limits {
+            velocity,
+            acceleration,
+            jerk,
+        } = LIMITS;
+        // What it takes to stop, and what it goes until the plan begins and while the train lasts.
+        let stop = 0.5 * velocity * (velocity / acceleration + acceleration / jerk);
+        let most = at + stop + (0.04 + 0.4) * velocity;
+        let last = world.last().expect("setpoints").1;
+        assert!(
+            last.velocity == 0.0 && last.position < most,
+            "{missed}: {last:?}"
+        );
+    }
 }
 
 /// However many orders wait for a tick that is stuck, what was taken back before it goes on does not begin.

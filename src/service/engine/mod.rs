@@ -48,6 +48,7 @@ use learning::Ending;
 use together::Group;
 use together_trains::Waiting;
 
+use super::bridged::bridged;
 use super::clock::ServiceClock;
 use super::config::Config;
 use super::contract::{Batch, EngineEnds, MoveResult, ServiceError, Stopping};
@@ -84,6 +85,8 @@ pub struct Engine {
     saver: Sender<State>,
     disk: Disk,
     whole: Option<WholeReport>,
+    /// Number of the next tick after the last one that was heard of, and the time of that one, s.
+    counted: (u64, f64),
     moves: VecDeque<MoveResult>,
     batch: Batch,
     batch_since: f64,
@@ -147,6 +150,7 @@ impl Engine {
             saver: parts.saver,
             disk: parts.disk,
             whole: None,
+            counted: (0, f64::NEG_INFINITY),
             batch: Batch::default(),
             batch_since: 0.0,
             tickets: 0,
@@ -232,11 +236,20 @@ impl Engine {
             .collect()
     }
 
-    /// Best guess of the next tick's number.
+    /// Notes the number of the next tick after one at `time` (s).
+    fn counts(&mut self, next: u64, time: f64) {
+        if time >= self.counted.1 {
+            self.counted = (next, time);
+        }
+    }
+
+    /// Best guess of the next tick's number. After a longer silence than is bridged, the time that went by does not
+    /// count: the command waits for the tick.
     fn next_tick(&self) -> u64 {
-        let Some(whole) = &self.whole else { return 0 };
-        let passed = (self.clock.now() - whole.time) / self.config.period;
-        whole.tick.saturating_add(passed.max(0.0).ceil() as u64)
+        let (next, time) = self.counted;
+        let passed = (self.clock.now() - time) / self.config.period;
+        let most = bridged(self.config.period);
+        next.saturating_add((passed.max(0.0).ceil() as u64).min(most))
     }
 
     fn save(&mut self) {

@@ -21,6 +21,7 @@ impl Engine {
             self.believe(report);
         }
         while let Ok(whole) = self.rings.whole.pop() {
+            self.counts(whole.tick, whole.time);
             self.whole = Some(whole);
             round = true;
         }
@@ -54,7 +55,8 @@ impl Engine {
 
     fn record(&mut self, record: Record) {
         match record {
-            Record::Tick(row) => {
+            Record::Tick(row, next) => {
+                self.counts(next, row.time);
                 if let Some(running) = &mut self.joints[row.joint].running {
                     running.take(&row);
                 }

@@ -147,8 +147,8 @@ pub enum NotTaken {
 /// Tick to engine, for the stream.
 #[derive(Clone, Copy)]
 pub enum Record {
-    /// A joint at a tick.
-    Tick(TickRow),
+    /// A joint at a tick, and the number of the next one.
+    Tick(TickRow, u64),
     /// A measurement.
     Measured(Measured),
     /// A sample of a joint's deformation, in or after the move of this number.

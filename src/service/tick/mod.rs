@@ -346,7 +346,7 @@ impl Tick {
             if left > 0 && stride.behind == 0.0 {
                 // Position of the command at a missed tick.
                 let _ = self.joints[index].setpoint(stride, self.period, time);
-                self.record_row(index, time);
+                self.record_row(index, time, tick + 1);
             }
             // In a slow start the setpoint is still on its way to the command.
             if stride.behind == 0.0
@@ -370,7 +370,7 @@ impl Tick {
                 self.joints[index].was_sent(now);
             }
         }
-        self.record_row(index, now);
+        self.record_row(index, now, self.count + stride.periods);
     }
 
     /// Hands the samples of a joint on for learning.
@@ -383,9 +383,9 @@ impl Tick {
         self.joints[index].clear_heard();
     }
 
-    fn record_row(&mut self, index: usize, time: f64) {
+    fn record_row(&mut self, index: usize, time: f64, next: u64) {
         if let Some(row) = self.joints[index].row(time) {
-            self.record(Record::Tick(row));
+            self.record(Record::Tick(row, next));
         }
     }
 
