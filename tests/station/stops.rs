@@ -73,3 +73,32 @@ fn a_move_that_was_answered_is_in_the_state() {
         world.steps(20);
     }
 }
+
+/// A client that stops, lets go of a jog, or sets the feed to 0 finds the joint stopping, and what it changed changed.
+#[test]
+fn what_was_answered_is_in_the_state() {
+    let data = tempfile::tempdir().expect("a folder");
+    let jog = |velocity| Request::Jog {
+        joint: "joint_1".into(),
+        velocity,
+        hold: 1,
+    };
+    for stop in [
+        Request::Stop,
+        Request::Disable,
+        Request::Feed { share: 0.0 },
+        jog(0.0),
+    ] {
+        let mut world = World::commanded(config(data.path()), true);
+        world.ask(jog(0.5));
+        world.steps(50);
+        world.ask(stop.clone());
+        assert!(world.step().iter().all(|one| one.answer.is_ok()));
+        assert_eq!(world.joint().phase, Phase::Stopping, "{stop:?}");
+        world.steps(200);
+        assert_eq!(world.joint().phase, Phase::Rest, "{stop:?}");
+        world.ask(Request::Payload { mass: 7.5 });
+        world.step();
+        assert_eq!(world.snapshot().payload_kg, Some(7.5));
+    }
+}

@@ -122,7 +122,7 @@ pub enum Phase {
     Rest,
     /// A move runs.
     Moving,
-    /// A stop runs.
+    /// A stop was asked for, or runs.
     Stopping,
 }
 

@@ -133,9 +133,7 @@ impl Engine {
         }
     }
 
-    /// Publishes the state at once, so that a client acts on this one.
     fn enabling_now(&self) -> Accepted {
-        self.publish();
         let state = self.enabling.view.state;
         Accepted::Enabling { state }
     }

@@ -45,7 +45,6 @@ impl Engine {
         if share == 0.0 {
             self.stop_all(&ServiceError::Stopped);
         }
-        self.publish();
         Ok(Accepted::Changed)
     }
 

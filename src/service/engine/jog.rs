@@ -6,26 +6,16 @@
 
 use super::Engine;
 use super::hold::Jog;
-use super::joint::{Reply, What};
-use super::orders::answer;
-use crate::service::contract::{Accepted, ServiceError};
+use super::joint::What;
+use crate::service::contract::ServiceError;
 
 /// Time after which a hold that is not renewed ends, s. With ten renewals a second one may be late by more than
 /// its period, as on a wireless network. At the end the joint stops.
 pub const HELD: f64 = 0.25;
 
 impl Engine {
-    /// Begins or renews a hold; velocity 0 ends it.
-    pub(super) fn jog(&mut self, joint: &str, velocity: f64, hold: u64, reply: Reply) {
-        match self.held(joint, velocity, hold) {
-            Ok(Some((index, what))) => self.ask(index, what, Some(reply)),
-            Ok(None) => answer(Some(reply), Ok(Accepted::Jog { held_s: HELD })),
-            Err(error) => answer(Some(reply), Err(error)),
-        }
-    }
-
-    /// The motion to request, if the hold is not only renewed.
-    fn held(
+    /// Begins or renews a hold; velocity 0 ends it. Returns the motion to request, if the hold is not only renewed.
+    pub(super) fn jog(
         &mut self,
         name: &str,
         velocity: f64,

@@ -221,6 +221,7 @@ impl Joint {
     pub fn phase(&self) -> Phase {
         match &self.running {
             _ if !self.began => Phase::Waiting,
+            _ if self.stop_due => Phase::Stopping,
             Some(running) if running.settled.is_none() && running.stopping => Phase::Stopping,
             Some(running) if running.settled.is_none() => Phase::Moving,
             _ => Phase::Rest,

@@ -4,6 +4,7 @@ use quell_shapers::{Mode, Shaper, UncertainMode, shaper_by_name};
 
 use super::Engine;
 use super::axis::{longest_train, train};
+use super::jog::HELD;
 use super::joint::What;
 use super::together::Form;
 use crate::service::contract::{Accepted, Envelope, Request, ServiceError, ShapingChange, Target};
@@ -103,7 +104,11 @@ impl Engine {
                 joint,
                 velocity,
                 hold,
-            } => return self.jog(&joint, velocity, hold, reply),
+            } => match self.jog(&joint, velocity, hold) {
+                Ok(Some((index, what))) => return self.ask(index, what, Some(reply)),
+                Ok(None) => Ok(Accepted::Jog { held_s: HELD }),
+                Err(error) => Err(error),
+            },
             Request::Feed { share } => self.change_feed(share),
             Request::Enable if self.last_stop.is_some_and(|stop| number < stop) => {
                 Err(ServiceError::Stopped)
@@ -118,6 +123,10 @@ impl Engine {
             Request::Shaping(change) => self.change_shaping(&change),
             Request::Payload { mass } => self.change_payload(mass),
         };
+        if answer.is_ok() {
+            // A client that has its answer finds in the state what it asked for.
+            self.publish();
+        }
         // The client may have disconnected.
         let _ = reply.send(answer);
     }
