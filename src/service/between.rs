@@ -29,7 +29,8 @@ pub fn inexact(limits: Limits, period: f64) -> f64 {
     jerk * period.powi(2) * (stop / 8.0 + period / 6.0)
 }
 
-fn state(of: Setpoint) -> AxisState {
+/// A setpoint as the planner names it.
+pub fn state(of: Setpoint) -> AxisState {
     AxisState {
         position: of.position,
         velocity: of.velocity,

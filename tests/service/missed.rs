@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use proptest::prelude::*;
 use quell::plant::{ArmSimulation, Command, Robot, SimulationOptions};
-use quell::service::between::between;
+use quell::service::between::{between, inexact};
 use quell::service::bridged::bridged;
 use quell::service::contract::{LinkHealth, Measured};
 use quell::service::link::RobotLink;
@@ -254,33 +254,75 @@ fn ticks_that_are_made_up_for_leave_an_arm_far_calmer() {
     }
 }
 
-/// Whatever the engine has planned: the tick sends no command beyond the range, and closes the gate.
-#[test]
-fn no_command_beyond_the_range_is_sent() {
-    let joint = joint(&Robot::rx170()).ranging_within([-0.1, 0.3], PERIOD);
-    let (mut tick, mut rings, told) = bench_of(joint, false, None);
-    let mut trips = Vec::new();
-    for k in 0..2000 {
-        tick.run(k as f64 * PERIOD, 0);
-        while let Ok(event) = rings.events.pop() {
-            if let Event::Tripped(trip) = event {
-                trips.push(trip);
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Whatever the engine has planned: the tick brakes within the limits before the end of the range, closes the gate, and
+    /// tells both once. It brakes on where the engine takes its controller, and where ticks are missed.
+    #[test]
+    fn no_command_beyond_the_range_is_sent(
+        end in 0.02..0.48_f64,
+        shaped in any::<bool>(),
+        (at, missed) in (0..1200_u64, 0..40_u64),
+        ceases in any::<bool>(),
+    ) {
+        let robot = Robot::rx170();
+        let joint = joint(&robot).ranging_within([-0.1, end], PERIOD);
+        let (mut tick, mut rings, told) = bench_of(joint, shaped, None);
+        let (mut due, mut left, mut trips) = (0, 0, Vec::new());
+        for k in 0..3000 {
+            let gap = if k == at { missed } else { 0 };
+            due += gap + 1;
+            tick.run(due as f64 * PERIOD, gap);
+            while let Ok(event) = rings.events.pop() {
+                match event {
+                    Event::Tripped(trip) => trips.push(trip),
+                    Event::Left(index) => {
+                        left += 1;
+                        if ceases {
+                            rings.orders.push(ToTick::Cease(index));
+                        }
+                    }
+                    _ => {}
+                }
             }
+            while rings.records.pop().is_ok() {}
         }
-        while rings.records.pop().is_ok() {}
+        let told = told.lock().expect("no panic");
+        let most = end + inexact(robot.joints[0].limits, PERIOD);
+        for pair in told.setpoints.windows(2) {
+            check(pair[0], pair[1])?;
+            prop_assert!(pair[1].1.position <= most, "{:?}", pair[1]);
+        }
+        let last = told.setpoints.last().expect("setpoints").1;
+        prop_assert_eq!(last, Setpoint::at_rest(last.position));
+        prop_assert_eq!(left, 1);
+        let [Trip { joint: Some(0), cause: Cause::Range(beyond) }] = trips[..] else {
+            return Err(TestCaseError::fail(format!("{trips:?}")));
+        };
+        prop_assert!(beyond > most, "{beyond}");
     }
-    let told = told.lock().expect("no panic");
-    let last = told.setpoints.last().expect("setpoints").1.position;
-    assert!((0.29..=0.3).contains(&last), "{last}");
-    assert!(told.setpoints.iter().all(|(_, sent)| sent.position <= 0.3));
-    let [
-        Trip {
-            joint: Some(0),
-            cause: Cause::Range(beyond),
-        },
-    ] = trips[..]
-    else {
-        panic!("{trips:?}");
-    };
-    assert!(beyond > 0.3 && beyond < 0.31, "{beyond}");
+
+    /// A command within the range is sent as it is planned, to the very end of the range.
+    #[test]
+    fn a_command_up_to_the_end_of_the_range_is_sent_as_it_is(
+        shaped in any::<bool>(),
+        (at, missed) in (0..1200_u64, 0..40_u64),
+    ) {
+        let sent = [0.5, f64::INFINITY].map(|end| {
+            let joint = joint(&Robot::rx170()).ranging_within([0.0, end], PERIOD);
+            let (mut tick, mut rings, told) = bench_of(joint, shaped, None);
+            let mut due = 0;
+            for k in 0..3000 {
+                let gap = if k == at { missed } else { 0 };
+                due += gap + 1;
+                tick.run(due as f64 * PERIOD, gap);
+                while rings.records.pop().is_ok() {}
+            }
+            let told = told.lock().expect("no panic");
+            told.setpoints.clone()
+        });
+        prop_assert_eq!(&sent[0], &sent[1]);
+        prop_assert_eq!(sent[0].last().map(|last| last.1), Some(Setpoint::at_rest(0.5)));
+    }
 }

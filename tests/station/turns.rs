@@ -1,5 +1,6 @@
 //! New targets in motion and jogs, once the modes are known: the trains are those of their ways.
 
+use quell::service::between::inexact;
 use quell::service::contract::{Phase, Request, ShapingChange};
 
 use super::modes::{JERK, go, posed, run, settings_of, two, world, world_of};
@@ -190,4 +191,40 @@ fn corrections_and_orders_on_the_way_stay_in_the_range() {
         }
     }
     assert!(corrections > 0, "corrections are made");
+}
+
+/// Between the ends of the range: retunes in motion, and targets that turn at an end, are within what the gate at the tick
+/// admits.
+#[test]
+fn no_correction_is_refused_at_the_end_of_the_range() {
+    let ends = [0.0, 50f64.to_radians()];
+    let mut changes = 0;
+    for (belief, modes) in [
+        (6.0, vec![PlantMode::new(8.0, 0.03, 1.0)]),
+        (10.5, vec![PlantMode::new(8.0, 0.03, 1.0)]),
+        (9.0, two().to_vec()),
+        (10.0, vec![posed()]),
+    ] {
+        let data = tempfile::tempdir().expect("a folder");
+        let mut settings = settings_of(data.path(), belief);
+        settings.joints[0].range = ends;
+        let limits = settings.joints[0].limits;
+        let mut world = world_of(settings, &modes);
+        for target in [ends[1], ends[0], ends[1], ends[0]] {
+            go(&mut world, target, None);
+            assert_eq!(world.last().map(|sent| sent.1.position), Some(target));
+        }
+        for ticks in [40, 80, 120] {
+            world.ask(to(50.0));
+            world.steps(ticks);
+            run(&mut world, to(0.0), 0.0);
+        }
+        assert_eq!(world.snapshot().enable.faults, 0);
+        let beyond = inexact(limits, PERIOD);
+        let within = |sent: &Sent| (ends[0] - beyond..=ends[1] + beyond).contains(&sent.1.position);
+        assert!(world.sent().iter().all(within));
+        let joint = world.joint();
+        changes += joint.retunes + joint.corrections;
+    }
+    assert!(changes > 0);
 }

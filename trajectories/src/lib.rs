@@ -2,6 +2,7 @@
 
 mod axis;
 mod between;
+mod brake;
 mod check;
 mod closed_form;
 mod cruise;
@@ -22,6 +23,7 @@ mod stop;
 mod trajectory;
 
 pub use axis::{AxisState, Limits, MAX_DEGREES_OF_FREEDOM};
+pub use brake::Brake;
 pub use error::PlanError;
 pub use planner::Planner;
 pub use profile::{AxisProfile, Phase};

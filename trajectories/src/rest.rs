@@ -1,6 +1,6 @@
 //! What a state leads to: whether the limits are kept from there, and where its quickest stop ends.
 
-use crate::ramp::Ramp;
+use crate::brake::{after, quickest};
 use crate::{AxisState, Limits};
 
 /// Rounding of a state at a limit by the planner, relative.
@@ -20,9 +20,6 @@ impl AxisState {
 
     /// Where the stop of [`crate::Planner::plan_stop`] ends, rad, from a state that [`keeps`](Self::keeps) the limits.
     pub fn stops_at(self, limits: Limits) -> f64 {
-        let Ramp { jerk, times } = Ramp::new((self.velocity, self.acceleration), 0.0, limits, 0.0);
-        let steps = times.into_iter().zip([jerk, 0.0, -jerk]);
-        let rest = steps.fold(self, |state, (time, jerk)| state.after(time, jerk));
-        rest.position
+        after(self, &quickest(self, limits)).position
     }
 }

@@ -1,7 +1,7 @@
 //! Random moves of 1 to 7 axes: limits, exact ends, continuity, a common end.
 
 use proptest::prelude::*;
-use quell_trajectories::{AxisState, Limits, Planner, Trajectory};
+use quell_trajectories::{AxisState, Brake, Limits, Planner, Trajectory};
 
 /// Ruckig states its own error of the limits as 1e-12; a state adds the rounding of its sums, so
 /// this is a thousand roundings relative to the limit.
@@ -176,6 +176,64 @@ proptest! {
                 let end = planner.plan_stop(&[from], &[slowed]).unwrap().end()[0].position;
                 prop_assert!((from.stops_at(slowed) - end).abs() < 1e-7, "{from:?} {end}");
             }
+        }
+    }
+
+    /// Whatever a motion does within the limits, as long as it goes on to a side it will reach there what it had to before.
+    #[test]
+    fn a_motion_reaches_at_least_what_its_state_tells(
+        axes in problem(),
+        jerks in prop::collection::vec(-1.0..=1.0_f64, 40),
+    ) {
+        for Axis { from, limits, .. } in axes {
+            let Limits { velocity, acceleration, jerk } = limits;
+            let step = 0.1 * (acceleration / jerk).min((velocity / jerk).sqrt());
+            let mut before = from;
+            for share in &jerks {
+                let after = (before.acceleration + share * jerk * step).clamp(-acceleration, acceleration);
+                let now = before.after(step, (after - before.acceleration) / step);
+                let (was, is) = (before.reaches(limits), now.reaches(limits));
+                let turns = before.acceleration * now.acceleration < 0.0;
+                if before.velocity >= 0.0 && now.velocity >= 0.0 && !turns {
+                    prop_assert!(is[1] >= was[1] - 1e-9, "{before:?} {now:?}");
+                }
+                if before.velocity <= 0.0 && now.velocity <= 0.0 && !turns {
+                    prop_assert!(is[0] <= was[0] + 1e-9, "{before:?} {now:?}");
+                }
+                before = now;
+            }
+        }
+    }
+
+    #[test]
+    fn a_brake_stays_within_limits_and_range(
+        axes in problem(),
+        upward in any::<bool>(),
+        room in 0.0..=1.0_f64,
+    ) {
+        for Axis { from, limits, .. } in axes {
+            let [lowest, highest] = from.reaches(limits);
+            let room = room * limits.acceleration.powi(3) / limits.jerk.powi(2);
+            let range = match upward {
+                true => [f64::NEG_INFINITY, highest + room],
+                false => [lowest - room, f64::INFINITY],
+            };
+            let brake = Brake::within(from, limits, range);
+            let period = (brake.duration() / 500.0).max(1e-6);
+            let states: Vec<_> = (0..=501).map(|k| brake.after(f64::from(k) * period)).collect();
+            prop_assert_eq!(states[0].velocity, from.velocity);
+            for pair in states.windows(2) {
+                let [before, now] = [pair[0], pair[1]];
+                prop_assert!(range[0] - 1e-9 <= now.position && now.position <= range[1] + 1e-9);
+                prop_assert!(now.acceleration.abs() <= limits.acceleration * (1.0 + 1e-9));
+                let jerk = (now.acceleration - before.acceleration) / period;
+                let rounding = 1e-9 + 1e-12 * limits.acceleration / period;
+                prop_assert!(jerk.abs() <= limits.jerk * (1.0 + 1e-9) + rounding);
+                let follows = before.after(period, jerk).position - now.position;
+                prop_assert!(follows.abs() <= limits.jerk * period.powi(3) + 1e-12);
+            }
+            prop_assert_eq!(states[501], AxisState::at_rest(states[501].position));
+            prop_assert!(brake.after(0.999_999_9 * brake.duration()).velocity.abs() < 1e-5 * limits.velocity);
         }
     }
 

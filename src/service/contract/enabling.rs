@@ -30,7 +30,7 @@ pub enum FaultKind {
     Sensor,
     /// Ticks were missed for so long that the robot has stood meanwhile.
     TickOverrun,
-    /// A command would have left the range of its joint.
+    /// A command would have led its joint out of its range.
     Range,
 }
 

@@ -191,7 +191,9 @@ impl Engine {
             }
             Cause::Range(position) => {
                 let degrees = position.to_degrees();
-                let reason = format!("{name} was commanded to {degrees:.2} deg, beyond its range");
+                let reason = format!(
+                    "a command would have led {name} to {degrees:.2} deg, beyond its range"
+                );
                 (FaultKind::Range, reason)
             }
         };
@@ -205,10 +207,6 @@ impl Engine {
         };
         self.enabling.permit += 1;
         tracing::error!("fault: {reason}; stopped, and no move begins until it is reset");
-        if let (Cause::Range(_), Some(index)) = (trip.cause, trip.joint) {
-            // It holds what it was sent last, and is commanded again from where it stands.
-            self.cease(index);
-        }
         self.stop_all(&ServiceError::Faulted { reason });
         self.publish();
     }

@@ -98,6 +98,8 @@ impl Engine {
             Event::NotTaken(plan, why) => self.not_taken(&plan, why),
             Event::Settled(index, id, time) => self.settled(index, id, time),
             Event::Tripped(trip) => self.tripped(trip),
+            // The tick brakes it. It is commanded again from where it stands.
+            Event::Left(index) => self.cease(index),
             Event::Lost(index) => self.lost(index),
             Event::Back(index, position) => self.back(index, position),
             Event::Train(order, answer) => self.train_answered(&order, &answer),

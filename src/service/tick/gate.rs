@@ -17,7 +17,7 @@ pub enum Cause {
     Sensor(Fault),
     /// Nothing was sent to a moving joint for this time, s.
     Overrun(f64),
-    /// A command at this position (rad), beyond the joint's range. It was not sent.
+    /// A command that would have led to this position (rad) at least, beyond the joint's range. It was not sent.
     Range(f64),
 }
 

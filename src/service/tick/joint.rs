@@ -48,6 +48,8 @@ pub struct JointTick {
     hearing: Hearing,
     following: Following,
     reach: Reach,
+    /// Where a command would have led that the reach has refused, rad, until it is told.
+    left: Option<f64>,
     move_id: u64,
     /// Number of the plan that runs or ran last.
     ticket: u64,
@@ -86,7 +88,8 @@ impl JointTick {
             quiet: false,
             hearing: Hearing::new(watchdog),
             following: Following::new(f64::INFINITY, f64::INFINITY),
-            reach: Reach::default(),
+            reach: Reach::new([f64::NEG_INFINITY, f64::INFINITY], bounds.limits, 0.0),
+            left: None,
             move_id: 0,
             ticket: 0,
             runs: false,
@@ -144,7 +147,8 @@ impl JointTick {
 
     /// Whether the command does not stand still.
     pub fn is_moving(&self) -> bool {
-        self.controller.as_ref().is_some_and(|c| !c.is_settled())
+        let moving = self.controller.as_ref().is_some_and(|c| !c.is_settled());
+        moving || self.reach.is_braking()
     }
 
     /// Number of the move that runs or ran last.
@@ -154,19 +158,25 @@ impl JointTick {
 
     /// Advances the command by one control period.
     pub fn step(&mut self) {
-        let Some(controller) = self.controller.as_deref_mut() else {
-            return;
+        let wanted = match self.controller.as_deref_mut() {
+            Some(controller) => {
+                let next = controller.tick(&[]);
+                if !self.quiet {
+                    self.learned = controller.axis().status().estimate;
+                }
+                next
+            }
+            None if self.reach.is_braking() => self.command[1],
+            None => return,
         };
-        let next = controller.tick(&[]);
-        if !self.quiet {
-            self.learned = controller.axis().status().estimate;
-        }
+        let (next, refused) = self.reach.take(wanted);
+        self.left = self.left.or(refused);
         self.command = [self.command[1], next];
     }
 
-    /// The setpoint after a stride, if the joint is commanded.
+    /// The setpoint after a stride, if the joint is commanded or brakes.
     pub fn setpoint(&mut self, stride: &Stride, period: f64, time: f64) -> Option<Setpoint> {
-        self.controller.as_ref()?;
+        (self.controller.is_some() || self.reach.is_braking()).then_some(())?;
         let at = within_limits(self.command, 1.0 - stride.behind, period);
         let setpoint = Setpoint {
             position: at.position,
@@ -188,9 +198,9 @@ impl JointTick {
         self.motion.step = self.steps.take(now, self.sent.position);
     }
 
-    /// Whether its command may be sent, within its range.
-    pub fn reaches(&mut self) -> bool {
-        self.reach.admits(self.sent.position)
+    /// Tells, once, where a command beyond its range would have led, rad.
+    pub fn take_left(&mut self) -> Option<f64> {
+        self.left.take()
     }
 
     /// Reports, once, that the command stands still after a plan.

@@ -165,6 +165,8 @@ pub enum Event {
     Settled(usize, u64, f64),
     /// The tick has closed the gate: no move begins until the engine opens it again.
     Tripped(Trip),
+    /// A command would have led beyond the range of this joint: it brakes, and obeys no plan until it is commanded anew.
+    Left(usize),
     /// A commanded joint has fallen silent.
     Lost(usize),
     /// A lost joint reports its motor side again, at this position, rad.

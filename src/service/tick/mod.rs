@@ -330,6 +330,17 @@ impl Tick {
         }
     }
 
+    /// Closes the gate for a command that leads beyond the range of a joint.
+    fn tell_left(&mut self, index: usize) {
+        if let Some(position) = self.joints[index].take_left() {
+            self.tell(Event::Left(index));
+            self.gate.trip(Trip {
+                joint: Some(index),
+                cause: Cause::Range(position),
+            });
+        }
+    }
+
     /// Advances a joint's command by the periods of a stride.
     fn advance(&mut self, index: usize, now: f64, stride: &Stride) {
         for period in 1..=stride.periods {
@@ -343,6 +354,7 @@ impl Tick {
                 self.tell(event);
             }
             self.joints[index].step();
+            self.tell_left(index);
             if left > 0 && stride.behind == 0.0 {
                 // Position of the command at a missed tick.
                 let _ = self.joints[index].setpoint(stride, self.period, time);
@@ -360,12 +372,7 @@ impl Tick {
     fn command(&mut self, index: usize, now: f64, stride: &Stride) {
         let displaced = self.joints[index].is_displaced(now);
         if let Some(setpoint) = self.joints[index].setpoint(stride, self.period, now) {
-            if !self.joints[index].reaches() {
-                self.gate.trip(Trip {
-                    joint: Some(index),
-                    cause: Cause::Range(setpoint.position),
-                });
-            } else if !displaced {
+            if !displaced {
                 self.link.send(now, index, &setpoint);
                 self.joints[index].was_sent(now);
             }
