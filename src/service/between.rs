@@ -17,8 +17,10 @@ pub fn within_limits([from, to]: [Setpoint; 2], share: f64, period: f64) -> Setp
 
 /// How far a command may be beyond the exact end of a stop that begins between two samples of a plan, rad.
 ///
-/// The velocity there is linear and differs from the derivative of the position by up to `j h^2 / 8`, over a stop
-/// of up to `v / a + a / j`. Between two setpoints there is `j h^3 / 6` at most.
+/// The velocity there is linear and differs from the derivative of the position by up to `j h^2 / 8`
+/// ([`AxisState::between_within_limits`]). A stop goes further by its own duration, `v / a + a / j` at most, for each
+/// unit of velocity. Between two setpoints there is `j h^3 / 6` at most. The exact derivative would end the stop
+/// exactly, but exceed the limits by 4 %. At 1 kHz it is some 1e-5 rad: what the gate of the tick admits, too.
 pub fn inexact(limits: Limits, period: f64) -> f64 {
     let Limits {
         velocity,

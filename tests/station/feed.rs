@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use quell::service::between::inexact;
 use quell::service::contract::{Request, ServiceError, ShapingChange};
 use quell_shapers::Setpoint;
-use quell_trajectories::Limits;
+use quell_trajectories::{AxisState, Limits, Planner, RateRamp};
 
 use super::modes::{go, rest_of, two, world};
 use super::world::{
@@ -287,4 +287,41 @@ fn what_the_train_cancels_it_cancels_at_every_feed() {
     }
     println!("{sums:?} rad");
     assert!(sums[0] < 0.02 * sums[1], "{sums:?}");
+}
+
+proptest! {
+    /// Between two samples the velocity of a plan is linear, up to `j h^2 / 8` off. A stop that begins there passes the target
+    /// by what the gate of the tick admits beyond the range, and no more, at whatever rates the move went.
+    #[test]
+    fn a_stop_of_a_move_whose_feed_has_changed_ends_within_what_the_gate_admits(
+        (velocity, acceleration, jerk) in (-1.0..1.0_f64, -0.5..1.5_f64, 0.0..2.5_f64),
+        (way, steps) in (0.01..3.0_f64, 30.0..3000.0_f64),
+        (first, rates) in (0.05..=1.0_f64, prop::collection::vec((0.0..1.0_f64, 0.05..=1.0_f64), 1..4)),
+    ) {
+        let [velocity, acceleration, jerk] = [velocity, acceleration, jerk].map(|n| 10f64.powf(n));
+        let limits = Limits { velocity, acceleration, jerk };
+        let planner = Planner::new(1).expect("a planner");
+        let [from, to] = [0.0, way].map(AxisState::at_rest);
+        let plan = planner.plan(&[from], &[to], &[limits.slowed(first)]).expect("a plan");
+        let period = plan.duration() / steps;
+        let base = plan.sample(period).expect("samples");
+        let (mut ramp, mut length) = (RateRamp::steady(1.0), base.samples());
+        for (share, rate) in rates {
+            let changed = RateRamp {
+                from: ramp.after(period * (share * length as f64).floor()),
+                to: rate / first,
+                duration: 0.0,
+            };
+            let mut ramps = base.rate_ramps(changed.from, changed.to);
+            let Some((next, rest)) = ramps.find_map(|ramp| Some((ramp, base.at_rate(&ramp, &[limits])?))) else {
+                continue;
+            };
+            (ramp, length) = (next, rest.samples());
+            let most = way + inexact(limits, period) + 1e-9;
+            for state in (0..rest.samples()).filter_map(|sample| rest.state(0, sample)) {
+                prop_assert!(state.stops_at(limits) <= most, "{state:?} {most}");
+                prop_assert!(state.reaches(limits)[1] <= most, "{state:?} {most}");
+            }
+        }
+    }
 }
