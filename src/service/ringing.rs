@@ -3,6 +3,8 @@
 use nalgebra::Complex;
 use quell_shapers::Mode;
 
+use crate::controller::ringing_time;
+
 /// Periods after the end of a command in which the amplitude is measured.
 const PERIODS: f64 = 2.0;
 /// Number of frequencies to either side of the believed one that are tried if it is uncertain, and their ratio.
@@ -13,6 +15,14 @@ const RATIO: f64 = 1.05;
 pub const STEADY: f64 = 1e-12;
 /// Fewest samples for a fit of four numbers that averages the noise.
 const FEWEST: usize = 12;
+
+/// Most periods for which an undamped mode is taken to ring: the estimator's window.
+const LONGEST: f64 = 40.0;
+
+/// How long a mode is taken to ring after a command, s.
+pub fn rings_for(mode: Mode) -> f64 {
+    ringing_time(mode).min(LONGEST * mode.damped_period())
+}
 
 /// Amplitude of a decaying oscillation at the first sample, in the samples' unit; `None` where there
 /// are too few samples, or fewer than one period of them.

@@ -253,6 +253,7 @@ fn made(
         wanted_mode: None,
         mode_since: since,
         train_due: false,
+        rings_until: f64::NEG_INFINITY,
         retunes: 0,
         before: [0; 3],
         report: None,

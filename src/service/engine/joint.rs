@@ -38,6 +38,9 @@ pub struct Joint {
     pub mode_since: f64,
     /// Whether the train in force is to be replaced.
     pub train_due: bool,
+    /// Until when an unshaped move rings, s. A train that takes over before that would cancel its vibration, by a motion at
+    /// rest that nobody has asked for.
+    pub rings_until: f64,
     /// Number of changes of the train by an estimate that the present controller has reported.
     pub retunes: u32,
     /// The number of the controllers before, of corrections, and of refused corrections.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{BATCH, Engine};
 use crate::service::contract::{Batch, Measured, Quantity};
+use crate::service::ringing::rings_for;
 use crate::service::state::LearnedMode;
 use crate::service::tick::{Event, JointReport, Record};
 
@@ -191,13 +192,15 @@ impl Engine {
         };
         running.interrupted |= running.settled.is_none();
         let settled = running.settled.is_some();
-        // A shaper for one move ends with the move, but not before its vibration has decayed: a change would
-        // cancel what it has left.
+        // A shaper for one move ends with the move.
         joint.train_due |= running.start.shaper != own;
         let (mode, sure) = match estimate.filter(|estimate| estimate.converged) {
             Some(estimate) => (estimate.mode, true),
             None => (joint.mode, false),
         };
+        if let Some(since) = running.settled.filter(|_| !running.shaped) {
+            joint.rings_until = since + rings_for(mode);
+        }
         let radius = joint.sensor.arc().map(|arc| arc.radius());
         let result = running.result(mode, sure, self.config.period, radius);
         // Rows after that are a command at rest, not the move.

@@ -1,10 +1,11 @@
 //! What is measured at the joint: what of it the controller takes, and what it forbids.
 
 use super::JointTick;
-use crate::controller::{Controller, ringing_time};
+use crate::controller::Controller;
 use crate::estimators::Sample;
 use crate::service::contract::{Measured, Quantity};
 use crate::service::following::FOLLOWED;
+use crate::service::ringing::rings_for;
 use crate::service::tick::gate::Cause;
 use crate::service::tick::hearing::Change;
 use crate::service::tick::messages::Event;
@@ -119,9 +120,7 @@ fn is_quiet(controller: &Controller, settled: Option<f64>, now: f64) -> bool {
         return false;
     };
     let mode = controller.axis().status().shaped_for.mode;
-    // An undamped mode is assumed to vibrate for as long as the estimator's window, forty periods.
-    let rings = ringing_time(mode).min(40.0 * mode.damped_period());
-    now - settled > rings
+    now - settled > rings_for(mode)
 }
 
 /// The measurement for the controller, which does not use accelerations.
