@@ -8,8 +8,9 @@ const BARS = 10; // moves that are shown
 export const whole = (moves, joint) => moves.filter((move) => move.joint === joint && !move.interrupted);
 
 /**
- * The share of the vibration without shaping that a move has left, percent, and words on how well it is known: without
- * shaping it would have been as much as two standard deviations more or less, and where it may have been none there is no share.
+ * The share of the vibration without shaping that a move has left, percent, and words on how well it is known. What it would have
+ * been without shaping is an estimate: two standard deviations more or less by the modes, and as if the motor side had followed
+ * exactly. Where it may have been none there is no share.
  */
 export function share(move) {
   const { vibration_rad: left, unshaped_vibration_rad: without, unshaped_std_rad: std } = move;
@@ -17,7 +18,7 @@ export function share(move) {
   if (left === null || !(most > 0)) return { percent: "–", note: "not known: its modes are not known well enough" };
   const percent = (of) => number((100 * left) / of, 2);
   const [low, high] = [percent(without + 2 * (std ?? 0)), percent(most)];
-  return { percent: percent(without), note: low === high ? "of the vibration without shaping" : `of the vibration without shaping (${low} to ${high})` };
+  return { percent: percent(without), note: `${low === high ? "estimated" : `estimated ${low} to ${high}`}; of the vibration without shaping, had the motor side followed exactly` };
 }
 
 /** The bars of a move: what is drawn, in which colour, and words behind it. */

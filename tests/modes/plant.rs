@@ -7,7 +7,7 @@ use rand_distr::StandardNormal;
 /// Integration steps of a control period.
 const STEPS: usize = 4;
 /// Servo of the motor side: rad/s, damping ratio; it follows constant velocity without lag.
-const SERVO: (f64, f64) = (380.0, 0.9);
+pub const SERVO: (f64, f64) = (380.0, 0.9);
 
 /// A mode of the joint at position 0 without payload.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,6 @@
 //! Several modes, and modes that follow the pose: the service learns them between the moves, keeps them, and forgets them.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use quell::service::config::Config;
@@ -9,8 +10,8 @@ use quell::service::contract::{
 use quell::service::following::FOLLOWED;
 use quell_shapers::Mode;
 
-use super::plant::{Faults, Plant, PlantMode};
-use super::world::{PERIOD, World, config};
+use super::plant::{Faults, Plant, PlantMode, SERVO};
+use super::world::{LIMITS, PERIOD, World, config};
 
 const TARGETS: [f64; 8] = [60.0, 0.0, 30.0, 55.0, 10.0, 45.0, 5.0, 60.0];
 /// rad/s^3.
@@ -19,6 +20,8 @@ pub const JERK: f64 = 6000.0;
 const PATIENCE: usize = 5_000;
 /// Time, s, true motor position and deformation, rad, and whether the command moves.
 type Traced = (f64, f64, f64, bool);
+/// Ticks after which nothing rings on: five time constants and more.
+const RUNG: usize = 1_500;
 /// Ticks for which the arm is watched after a move.
 const WATCHED: usize = 400;
 
@@ -179,25 +182,38 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     0.5 * (sorted[(n - 1) / 2] + sorted[n / 2])
 }
 
-/// What is told of moves that are shaped for a wrong mode is what the arm did: amplitudes over a period of the slowest mode.
+/// Amplitude over a period of the slowest mode, from when the service listens.
+fn amplitude(trace: &[Traced]) -> f64 {
+    let moves = trace.iter().rfind(|one| one.3).expect("a move");
+    let from = moves.0 + FOLLOWED;
+    let inside = trace
+        .iter()
+        .filter(|one| (from..from + 0.125).contains(&one.0));
+    let seen: Vec<f64> = inside.map(|one| one.2).collect();
+    let mean = seen.iter().sum::<f64>() / seen.len() as f64;
+    let square = seen.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / seen.len() as f64;
+    (2.0 * square).sqrt()
+}
+
+/// What is told of moves that are shaped for a wrong mode is what the arm did, from a rest in which nothing rings on. What they
+/// would have left unshaped is known as well as is told, but for the motor side, which does not follow quite what is planned:
+/// `(w / w_s)^2` by a servo of `w_s`, and the decay of the two ticks by which it is late.
 #[test]
 fn what_a_move_has_left_is_told_as_the_arm_did_it() {
-    let amplitude = |trace: &[Traced]| {
-        // From when the service listens.
-        let moves = trace.iter().rfind(|one| one.3).expect("a move");
-        let from = moves.0 + FOLLOWED;
-        let inside = trace
-            .iter()
-            .filter(|one| (from..from + 0.125).contains(&one.0));
-        let seen: Vec<f64> = inside.map(|one| one.2).collect();
-        let mean = seen.iter().sum::<f64>() / seen.len() as f64;
-        let square = seen.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / seen.len() as f64;
-        (2.0 * square).sqrt()
-    };
-    for modes in [two().to_vec(), vec![posed()]] {
+    let quick = LIMITS.acceleration;
+    for (belief, modes, highest, acceleration) in [
+        (10.0, two().to_vec(), 19.0, quick),
+        (10.0, vec![posed()], 11.0, quick),
+        (8.0, vec![posed()], 11.0, quick),
+        (8.0, vec![posed()], 11.0, 0.3 * quick),
+    ] {
         let [data, other] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
-        let mut shaped = world(data.path(), 10.0, &modes);
-        let mut unshaped = world(other.path(), 10.0, &modes);
+        let [mut shaped, mut unshaped] = [&data, &other].map(|data| {
+            let mut settings = settings_of(data.path(), belief);
+            settings.joints[0].limits.acceleration = acceleration;
+            settings.joints[0].limits.jerk *= (acceleration / quick).powi(4);
+            world_of(settings, &modes)
+        });
         shaped.ask(Request::Shaping(ShapingChange {
             adaptation: Some(false),
             ..ShapingChange::default()
@@ -205,6 +221,9 @@ fn what_a_move_has_left_is_told_as_the_arm_did_it() {
         shaped.steps(2);
         for degrees in TARGETS {
             let target = degrees.to_radians();
+            for world in [&mut shaped, &mut unshaped] {
+                world.steps(RUNG);
+            }
             let (_, all) = watched(&mut unshaped, target, Some("none"));
             let (told, left) = watched(&mut shaped, target, None);
             let [left, all] = [left, all].map(|after| amplitude(&after));
@@ -212,15 +231,47 @@ fn what_a_move_has_left_is_told_as_the_arm_did_it() {
                 told.residual_rad.expect("measured"),
                 told.unshaped_rad.expect("known"),
             );
-            assert!(told.unshaped_std_rad.is_some());
-            let [truth, told] = [left / all, told_left / told_all];
-            println!("left {:.1} %, told {:.1} %", 100.0 * truth, 100.0 * told);
-            // The motor side does not follow quite what is planned: a few parts in a hundred at 19 Hz.
-            assert!(
-                (told - truth).abs() <= 0.15 * truth,
-                "{degrees}: {told} {truth}"
+            let std = told.unshaped_std_rad.expect("known");
+            println!(
+                "left {left:.2e}, told {told_left:.2e}; unshaped {all:.2e}, told {told_all:.2e}, std {std:.1e}"
             );
+            let w = TAU * highest;
+            let follows = (w / SERVO.0).powi(2) + 0.03 * w * 2.0 * PERIOD;
+            assert!(
+                (told_all - all).abs() <= 3.0 * std + follows * all,
+                "{degrees}: {told_all} {all}"
+            );
+            if acceleration == quick {
+                assert!(
+                    (told_left - left).abs() <= 0.1 * left,
+                    "{degrees}: {told_left} {left}"
+                );
+            }
         }
+    }
+}
+
+/// A move that somebody wants unshaped rings on: nothing moves the joint after its end, though the standing train follows.
+#[test]
+fn an_unshaped_move_is_left_as_it_is() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = world(data.path(), 9.0, &[PlantMode::new(8.0, 0.03, 1.0)]);
+    for degrees in [58.0_f64, 3.0, 9.0] {
+        let target = degrees.to_radians();
+        let before = world.sent().len();
+        go(&mut world, target, Some("none"));
+        world.steps(1000);
+        let sent = world.sent().split_off(before);
+        let arrived = sent.iter().position(|sent| sent.1.position == target);
+        let after = &sent[arrived.expect("its end")..];
+        assert!(
+            after.iter().all(|sent| sent.1.position == target),
+            "{degrees}"
+        );
+        assert!(
+            world.joint().train.times_s.len() > 1,
+            "the standing train is in force again"
+        );
     }
 }
 
