@@ -9,13 +9,20 @@ use quell::service::contract::{
 };
 use quell::service::following::FOLLOWED;
 use quell_shapers::Mode;
+use quell_trajectories::Limits;
 
 use super::plant::{Faults, Plant, PlantMode, SERVO};
-use super::world::{LIMITS, PERIOD, World, config};
+use super::world::{LIMITS, PERIOD, Sent, World, config};
 
 const TARGETS: [f64; 8] = [60.0, 0.0, 30.0, 55.0, 10.0, 45.0, 5.0, 60.0];
 /// rad/s^3.
 pub const JERK: f64 = 6000.0;
+/// Those of an industrial arm: 100 deg/s, 500 deg/s^2, 5000 deg/s^3.
+const ORDINARY: Limits = Limits {
+    velocity: 1.745,
+    acceleration: 8.727,
+    jerk: 87.27,
+};
 /// Ticks that anything here takes at most.
 const PATIENCE: usize = 5_000;
 /// Time, s, true motor position and deformation, rad, and whether the command moves.
@@ -247,6 +254,54 @@ fn what_a_move_has_left_is_told_as_the_arm_did_it() {
                     "{degrees}: {told_left} {left}"
                 );
             }
+        }
+    }
+}
+
+/// Milliseconds from the first change of the command to the last, and those of the train with which the move begins.
+fn takes(belief_hz: f64, mode: PlantMode, target: f64, rule: Rule) -> [f64; 2] {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut settings = settings_of(data.path(), belief_hz);
+    settings.joints[0].limits = ORDINARY;
+    settings.joints[0].adaptation = rule == Rule::Adaptive;
+    let mut world = world_of(settings, &[mode]);
+    let train = world.joint().train.times_s.last().copied();
+    let before = world.sent().len();
+    go(
+        &mut world,
+        target,
+        (rule == Rule::Unshaped).then_some("none"),
+    );
+    let sent = world.sent().split_off(before);
+    let changes = |pair: &[Sent]| pair[0].1.position != pair[1].1.position;
+    let first = sent.windows(2).position(changes).expect("a move");
+    let last = sent.windows(2).rposition(changes).expect("a move");
+    [(last - first) as f64 * PERIOD, train.expect("a train")].map(|s| 1e3 * s)
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Rule {
+    Unshaped,
+    Fixed,
+    Adaptive,
+}
+
+/// A first move is longer than the unshaped one by the train of the belief, and by what is left of a correction at its end:
+/// seven periods at most. Nothing waits for planning or learning.
+#[test]
+fn a_first_move_is_longer_by_its_train_and_its_correction() {
+    for (belief, hertz) in [(8.0, 8.0), (10.0, 8.0), (10.0, 9.0), (10.0, 12.0)] {
+        for degrees in [8.0_f64, 15.0, 25.0, 60.0] {
+            let mode = PlantMode::new(hertz, 0.03, 1.0);
+            let of = |rule| takes(belief, mode, degrees.to_radians(), rule);
+            let [[unshaped, _], [fixed, train], [adaptive, _]] =
+                [Rule::Unshaped, Rule::Fixed, Rule::Adaptive].map(of);
+            println!(
+                "belief {belief} Hz, mode {hertz} Hz, {degrees} deg: {unshaped:.0} ms unshaped, {fixed:.0} with the train \
+                 of {train:.0}, {adaptive:.0} adaptive"
+            );
+            assert!((fixed - unshaped - train).abs() <= 1.0 + 1e3 * PERIOD);
+            assert!(adaptive <= fixed + 7e3 / hertz, "{adaptive}");
         }
     }
 }
