@@ -23,6 +23,7 @@ mod kept;
 mod learners;
 pub mod link;
 pub mod recorder;
+mod remembered;
 pub mod ringing;
 mod shapers;
 pub mod signature;

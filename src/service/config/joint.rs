@@ -8,6 +8,7 @@ use super::{Check, ConfigError};
 use crate::estimators::{EstimatorEntry, estimator};
 use crate::plant::{Robot, RobotJoint};
 use crate::service::following::healthy;
+use crate::service::remembered::{LONGEST_MOVE, LONGEST_PERIOD, LONGEST_TRAIN};
 use crate::service::shapers;
 use crate::signal::JointArc;
 
@@ -15,9 +16,6 @@ use crate::signal::JointArc;
 const RANGE: [f64; 2] = [-core::f64::consts::TAU, core::f64::consts::TAU];
 /// Default belief of a joint: typical of robot arms.
 pub(super) const BELIEF: (f64, f64) = (10.0, 0.05);
-/// Longest period of the mode, s: a train of four of them is as long as what is remembered of a move
-/// (`engine/axis.rs`).
-const LONGEST_PERIOD: f64 = 5.0;
 /// Range of an encoder's step, deg.
 const COARSEST: [f64; 2] = [0.0, 60.0];
 /// Highest value of a limit, in degrees and seconds.
@@ -200,8 +198,7 @@ fn belief(
     let slowest = 1.0 / LONGEST_PERIOD;
     if frequency > 0.0 && frequency < slowest {
         let expected = format!(
-            "at least {slowest} Hz: a train of four periods takes {} s then",
-            4.0 * LONGEST_PERIOD
+            "at least {slowest} Hz: a train of {LONGEST_TRAIN} periods takes {LONGEST_MOVE} s then"
         );
         return Err(check.refuse(&format!("{at}.frequency_hz"), frequency, expected));
     }

@@ -7,12 +7,8 @@ use crate::controller::{AxisSettings, Controller, RetunePolicy};
 use crate::estimators::Settings;
 use crate::service::config::JointConfig;
 use crate::service::link::INBOX;
+use crate::service::remembered::{LONGEST_MOVE, LONGEST_TRAIN};
 use crate::signal::{DeformationSensor, RestRule};
-
-/// Longest move with a correction, s; sizes the memory of the sent command.
-const LONGEST_MOVE: f64 = 20.0;
-/// Longest train, in periods of the lowest plausible frequency: as in the simulation.
-const LONGEST_TRAIN: f64 = 4.0;
 
 /// A controller of a joint at rest at `position` (rad), shaping for `mode`.
 pub fn controller(

@@ -3,6 +3,7 @@
 //! It answers requests, plans, hands plans to the tick, handles the tick's answers, measures the residual of
 //! each move, publishes state and stream, and has the state saved.
 
+mod answers;
 mod axis;
 mod commanding;
 mod cruise;
@@ -13,6 +14,7 @@ mod hold;
 mod in_motion;
 mod jog;
 mod joint;
+mod judging;
 mod learned;
 mod learning;
 mod orders;
@@ -24,6 +26,7 @@ mod recordings;
 mod registration;
 mod requests;
 mod running;
+mod shaping;
 mod standstill;
 mod together;
 mod together_trains;
@@ -44,7 +47,7 @@ pub use learned::Learning;
 pub use registration::Registrar;
 
 use enabling::Enabling;
-use learning::Ending;
+use judging::Ending;
 use together::Group;
 use together_trains::Waiting;
 

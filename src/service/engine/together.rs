@@ -10,9 +10,10 @@ use quell_shapers::Shaper;
 use quell_trajectories::{AxisState, Limits, SampledTrajectory, Trajectory};
 
 use super::Engine;
+use super::answers::answer;
 use super::extent::check_range;
 use super::joint::{Asked, Reply, What};
-use super::orders::{TRIED, answer};
+use super::orders::TRIED;
 use super::planning::{Planned, refused, standing_train};
 use crate::service::contract::{Accepted, Begun, ServiceError};
 use crate::service::tick::{NotTaken, Plan, Start, ToTick, Together, Train};

@@ -4,10 +4,10 @@
 use quell_shapers::UncertainMode;
 
 use super::Engine;
+use super::answers::answer;
 use super::axis::train;
 use super::joint::name_of;
 use super::learning::PATIENCE;
-use super::orders::answer;
 use super::together::Group;
 use crate::learning::{Prescription, Surroundings, Way};
 use crate::service::contract::ServiceError;

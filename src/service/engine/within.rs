@@ -6,9 +6,9 @@
 use quell_trajectories::SampledTrajectory;
 
 use super::Engine;
+use super::answers::answer;
 use super::extent::check_range;
 use super::joint::Reply;
-use super::orders::answer;
 use super::planning::{Planned, standing_train};
 use super::together::{Form, Group};
 use super::together_trains::Waiting;

@@ -12,11 +12,13 @@ mod hearing;
 mod joint;
 mod lateness;
 mod messages;
+mod monitors;
 mod orders;
 pub mod pace;
 mod pulse;
 mod reach;
 pub mod real_time;
+mod rings;
 mod taking;
 mod thread;
 
@@ -30,46 +32,15 @@ pub use messages::{
 };
 pub use orders::Orders;
 pub use pulse::Pulse;
+pub use rings::EngineRings;
 pub use thread::{TickThread, TickThreadSettings};
 
-use gate::{Cause, Gate, Trip};
-use orders::{Ordered, orders};
+use gate::Gate;
 use pace::{Pace, Stride};
-use rtrb::{Consumer, Producer, RingBuffer};
+use rings::{TickRings, rings};
 
 use super::contract::{Measured, TickStatistics};
 use super::link::{INBOX, RobotLink};
-
-/// Most waiting orders and events of a joint; it has at most a few of either.
-const ORDERS: usize = 64;
-/// Duration of records that may wait for the engine, s.
-const RECORDED: f64 = 2.0;
-/// Records for each tick and joint that the ring has room for: a row, three sensors, and a deformation.
-const RECORDS: f64 = 5.0;
-/// Most waiting rounds of reports.
-const ROUNDS: usize = 8;
-
-/// The engine's end of the tick.
-pub struct EngineRings {
-    /// Orders to the tick.
-    pub orders: Orders,
-    /// The events.
-    pub events: Consumer<Event>,
-    /// Commands and measurements.
-    pub records: Consumer<Record>,
-    /// Reports of the joints.
-    pub joints: Consumer<JointReport>,
-    /// Report of tick and link, after the joints of the same round.
-    pub whole: Consumer<WholeReport>,
-}
-
-struct TickRings {
-    orders: Ordered,
-    events: Producer<Event>,
-    records: Producer<Record>,
-    joints: Producer<JointReport>,
-    whole: Producer<WholeReport>,
-}
 
 /// The work of a tick, without its clock.
 pub struct Tick {
@@ -94,12 +65,7 @@ impl Tick {
         link: Box<dyn RobotLink>,
         period: f64,
     ) -> (Self, EngineRings) {
-        let records = RECORDED / period * RECORDS * joints.len() as f64;
-        let (orders, tick_orders) = orders(ORDERS * joints.len());
-        let (tick_events, events) = RingBuffer::new(2 * ORDERS * joints.len());
-        let (tick_records, records) = RingBuffer::new(records as usize);
-        let (tick_reports, reports) = RingBuffer::new(ROUNDS * joints.len());
-        let (tick_whole, whole) = RingBuffer::new(ROUNDS);
+        let (rings, engine) = rings(joints.len(), period);
         let limits = joints.iter().map(JointTick::limits);
         let tick = Self {
             pace: Pace::new(limits, period, link.carries_time()),
@@ -107,24 +73,11 @@ impl Tick {
             inbox: Vec::with_capacity(INBOX * joints.len()),
             joints,
             link,
-            rings: TickRings {
-                orders: tick_orders,
-                events: tick_events,
-                records: tick_records,
-                joints: tick_reports,
-                whole: tick_whole,
-            },
+            rings,
             period,
             ticks: 0,
             count: 0,
             records_lost: 0,
-        };
-        let engine = EngineRings {
-            orders,
-            events,
-            records,
-            joints: reports,
-            whole,
         };
         (tick, engine)
     }
@@ -247,62 +200,6 @@ impl Tick {
         }
     }
 
-    /// Checks the reception of a joint. Only if all received data were taken, as they are not after a long
-    /// pause, and if there is room for answers to orders, too.
-    fn look(&mut self, index: usize, now: f64) {
-        let is_behind = self.inbox.len() == self.inbox.capacity();
-        let has_room = self.rings.events.slots() > ORDERS * self.joints.len();
-        if has_room
-            && !is_behind
-            && let Some(event) = self.joints[index].look(now)
-        {
-            if let Event::Lost(_) = event {
-                self.gate.trip(self.silent(index, now));
-            }
-            self.tell(event);
-        }
-    }
-
-    /// The fault of a silent joint. If another joint was measured in the last half of the timeout, the link is
-    /// not at fault.
-    fn silent(&self, index: usize, now: f64) -> Trip {
-        let heard = |joint: &JointTick| {
-            let [silence, timeout] = joint.silence(now);
-            silence < 0.5 * timeout
-        };
-        match self.joints.iter().any(heard) {
-            true => Trip {
-                joint: Some(index),
-                cause: Cause::Silent,
-            },
-            false => Trip {
-                joint: None,
-                cause: Cause::LinkLost,
-            },
-        }
-    }
-
-    /// Closes the gate for measurements, and for missed ticks.
-    ///
-    /// A robot that got no setpoint for as long as the watchdog's timeout has stood still, and people nearby
-    /// take it for at rest: it must not continue by itself. Shorter gaps are bridged by the [`pace`].
-    fn watch(&mut self, missed: u64, moves: bool) {
-        for (index, joint) in self.joints.iter().enumerate() {
-            if let Some(cause) = joint.fault() {
-                let joint = Some(index);
-                self.gate.trip(Trip { joint, cause });
-            }
-        }
-        let without = missed as f64 * self.period;
-        let patience = self.joints.iter().map(|joint| joint.silence(0.0)[1]);
-        if moves && without > patience.fold(f64::INFINITY, f64::min) {
-            self.gate.trip(Trip {
-                joint: None,
-                cause: Cause::Overrun(without),
-            });
-        }
-    }
-
     /// Lets the plans of several joints begin with this tick, if each of them can.
     fn release(&mut self) {
         for index in 0..self.joints.len() {
@@ -318,26 +215,6 @@ impl Tick {
                 let members = self.joints.iter_mut();
                 members.for_each(|joint| joint.release(together));
             }
-        }
-    }
-
-    /// Reports a fault to the engine, once there is room.
-    fn tell_trip(&mut self) {
-        if self.rings.events.slots() > ORDERS
-            && let Some(trip) = self.gate.take_untold()
-        {
-            self.tell(Event::Tripped(trip));
-        }
-    }
-
-    /// Closes the gate for a command that leads beyond the range of a joint.
-    fn tell_left(&mut self, index: usize) {
-        if let Some(position) = self.joints[index].take_left() {
-            self.tell(Event::Left(index));
-            self.gate.trip(Trip {
-                joint: Some(index),
-                cause: Cause::Range(position),
-            });
         }
     }
 
@@ -371,11 +248,11 @@ impl Tick {
 
     fn command(&mut self, index: usize, now: f64, stride: &Stride) {
         let displaced = self.joints[index].is_displaced(now);
-        if let Some(setpoint) = self.joints[index].setpoint(stride, self.period, now) {
-            if !displaced {
-                self.link.send(now, index, &setpoint);
-                self.joints[index].was_sent(now);
-            }
+        if let Some(setpoint) = self.joints[index].setpoint(stride, self.period, now)
+            && !displaced
+        {
+            self.link.send(now, index, &setpoint);
+            self.joints[index].was_sent(now);
         }
         self.record_row(index, now, self.count + stride.periods);
     }
