@@ -3,9 +3,9 @@
 use super::case::Case;
 use super::motion::residual;
 use super::score::score_beside;
-use super::shown::{Shown, digits, rms};
+use super::shown::{Shown, rms};
 use quell_diagnosis::Scored;
-use quell_page::{Page, Table};
+use quell_page::{Page, Table, digits};
 
 /// The last section.
 pub fn section(page: Page, case: &Case) -> Page {
