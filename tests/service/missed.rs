@@ -255,7 +255,7 @@ fn ticks_that_are_made_up_for_leave_an_arm_far_calmer() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
 
     /// Whatever the engine has planned: the tick brakes within the limits before the end of the range, closes the gate, and
     /// tells both once. It brakes on where the engine takes its controller, and where ticks are missed.
