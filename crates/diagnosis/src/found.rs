@@ -92,7 +92,12 @@ impl Search<'_> {
         let mut refused = Vec::new();
         for own in ranked {
             let better = own.held_out <= pool.baseline().held_out;
-            if better && self.problem.is_meaningful(&own, temperature) {
+            let meaningful = self.problem.is_meaningful(&own, temperature);
+            if better && !meaningful {
+                // Its other effects may be told. The search has left them behind, being less probable.
+                self.ablated(&own, pool);
+            }
+            if better && meaningful {
                 let ablated = self.ablated(&own, pool);
                 let worse = |without: &Explanation| {
                     let foreseen = |own: &Explanation| own.evidence.of_held_out(temperature);

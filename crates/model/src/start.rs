@@ -28,7 +28,7 @@ pub(super) fn start(
     state[3] = motion.motor[1] + experiment.initial[3];
     if matches!(chain.linear.motor, MotorSide::Prescribed) {
         state[2] += equilibrium(chain, grid.time[0], &state, input);
-        state[3] = match rests(chain, grid) {
+        state[3] = match rests(chain, experiment) {
             true => 0.0,
             false => motion.motor[1],
         };
@@ -42,25 +42,24 @@ pub(super) fn start(
     state
 }
 
-/// Whether the motor side rests over the first radian of the mode: the slope of its positions is within three
+/// Whether the motor side rests over the first radian of the mode: the slope of its recorded positions is within three
 /// standard deviations of what their jitter makes of none. The rate of the first samples is then that of their
 /// noise or rounding, and would make the link ring.
 ///
 /// The jitter has a sixth of the mean square of the second differences; the slope of `n` positions `h` apart has
 /// the variance `12 / (n^3 h^2)` of it.
-fn rests(chain: &Chain, grid: &Grid) -> bool {
+fn rests(chain: &Chain, experiment: &Experiment) -> bool {
     let inertia = chain.linear.link.map_or(0.0, |link| link.0);
-    let until = grid.time[0] + (inertia / chain.linear.stiffness).sqrt();
-    let nodes = grid.time.iter().take_while(|time| **time <= until);
-    let first = &grid.input[..nodes.count().min(grid.input.len())];
+    let time = &experiment.input_time;
+    let until = time[0] + (inertia / chain.linear.stiffness).sqrt();
+    let first = &experiment.input_values[..time.partition_point(|time| *time <= until)];
     let n = first.len() as f64;
     let (mut slope, mut jitter) = (0.0, 0.0);
-    for (k, cubic) in first.iter().enumerate() {
-        slope += (k as f64 - 0.5 * (n - 1.0)) * cubic.at(0.0)[0] * 12.0 / (n * (n * n - 1.0));
+    for (k, value) in first.iter().enumerate() {
+        slope += (k as f64 - 0.5 * (n - 1.0)) * value * 12.0 / (n * (n * n - 1.0));
     }
     for three in first.windows(3) {
-        let [a, b, c] = [0, 1, 2].map(|k: usize| three[k].at(0.0)[0]);
-        jitter += (a - 2.0 * b + c).powi(2) / (6.0 * (n - 2.0));
+        jitter += (three[0] - 2.0 * three[1] + three[2]).powi(2) / (6.0 * (n - 2.0));
     }
     // Three have but one second difference.
     n > 3.0 && slope * slope <= 9.0 * jitter * 12.0 / (n * n * n)
