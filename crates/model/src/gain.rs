@@ -4,7 +4,7 @@
 //! offset`. `g` by least squares converts the reading to the motor side's unit. Its remaining error is fitted
 //! with everything else: the motion is a column beside the offset.
 
-use nalgebra::{DMatrix, DVector};
+use super::regression::Regression;
 use quell_recording::{Channel, Recording, Role};
 use quell_signal::{CubicSpline, End};
 
@@ -64,20 +64,6 @@ pub fn unify(recording: &mut Recording) -> Option<(Gain, Vec<f64>)> {
 /// The slope of a reading over the first of some causes, fitted with an offset and the other causes; `None`
 /// where the first does not vary.
 pub(super) fn slope(causes: &[&[f64]], reading: &[f64]) -> Option<f64> {
-    let centred = |values: &[f64]| {
-        let values = DVector::from_column_slice(values);
-        values.add_scalar(-values.mean())
-    };
-    let columns: Vec<DVector<f64>> = causes.iter().map(|own| centred(own)).collect();
-    let size = columns.first()?.norm();
-    // Scaled to equal size, so that the units do not matter.
-    let scaled: Vec<_> = columns
-        .iter()
-        .map(|own| own / own.norm().max(f64::MIN_POSITIVE))
-        .collect();
-    let solved = DMatrix::from_columns(&scaled)
-        .svd(true, true)
-        .solve(&centred(reading), 1e-9);
-    let slope = solved.ok()?[0] / size;
-    (slope.is_finite() && slope != 0.0).then_some(slope)
+    let slope = Regression::on(causes)?.slope(reading)?.value;
+    (slope != 0.0).then_some(slope)
 }

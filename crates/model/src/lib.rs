@@ -26,6 +26,7 @@ mod output;
 mod piecewise;
 mod predict;
 mod reading;
+mod regression;
 mod rigid_axis;
 mod roots;
 mod runge_kutta;

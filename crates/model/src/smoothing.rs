@@ -15,8 +15,8 @@ const FINER: f64 = 4.0;
 /// is below the scatter of the chi-squared of a million samples.
 const UNSEEN: f64 = 0.1;
 
-/// Samples of a stretch over which the mean square of what smoothing takes away is looked at: real motion is not
-/// spread over a longer one than it lasts.
+/// Samples over which the mean square of what smoothing takes away is formed: so few that a short motion, as of a
+/// knock, is not averaged away.
 const STRETCH: usize = 50;
 
 /// Ratio of that mean square to the variance of the error that chance exceeds once in a million stretches:

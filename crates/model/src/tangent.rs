@@ -9,8 +9,8 @@
 
 use super::experiment::{Experiment, Output};
 use super::predict::simulate;
+use super::regression::{Regression, Slope};
 use super::{Departure, ExperimentError, Model};
-use nalgebra::{DMatrix, DVector};
 use quell_recording::Role;
 
 /// Largest standard deviation of the direction, rad: the reading then loses at most half a percent, and takes up at most
@@ -40,8 +40,8 @@ pub(super) fn along_tangent(
     Ok((reading, direction))
 }
 
-/// The predicted acceleration of the link at an output's stamps, and its squared rate, both without their means.
-fn causes(model: &Model, experiment: &Experiment, output: &Output) -> [DVector<f64>; 2] {
+/// The predicted acceleration of the link at an output's stamps, and its squared rate.
+fn causes(model: &Model, experiment: &Experiment, output: &Output) -> [Vec<f64>; 2] {
     let (keys, still) = (model.keys(), Departure::default());
     let simulated = simulate(model.kind, &keys, &model.terms(), experiment, &still);
     let seen = |role| {
@@ -49,40 +49,23 @@ fn causes(model: &Model, experiment: &Experiment, output: &Output) -> [DVector<f
             role,
             ..output.clone()
         };
-        DVector::from_vec(simulated.predict(&own, 0.0).values)
+        simulated.predict(&own, 0.0).values
     };
-    let square = seen(Role::LinkVelocity).map(|rate| rate * rate);
-    [seen(Role::LinkAcceleration), square].map(centred)
+    let rates = seen(Role::LinkVelocity);
+    let squares = rates.iter().map(|rate| rate * rate).collect();
+    [seen(Role::LinkAcceleration), squares]
 }
 
 /// The unit vector of the columns' slopes over the first cause; `None` where it is not known within [`TURNED`].
-fn direction([first, other]: &[DVector<f64>; 2], columns: &[Vec<f64>]) -> Option<Vec<f64>> {
-    let size = other.norm_squared();
-    let common = if size > 0.0 {
-        first.dot(other) / size
-    } else {
-        0.0
-    };
-    // The part of the first cause that the other one does not have.
-    let own = first - other * common;
-    let square = own.norm_squared();
-    let (mut slopes, mut variance) = (Vec::new(), 0.0);
-    let basis = DMatrix::from_columns(&[first.clone(), other.clone()]);
-    let basis = basis.svd(true, false).u?;
-    for column in columns {
-        let column = centred(DVector::from_column_slice(column));
-        slopes.push(own.dot(&column) / square);
-        let left = &column - &basis * basis.tr_mul(&column);
-        variance += left.norm_squared() / column.len() as f64 / square;
-    }
-    let length = slopes.iter().map(|slope| slope * slope).sum::<f64>().sqrt();
-    let known = length.is_finite() && length > 0.0 && variance.sqrt() < TURNED * length;
-    known.then(|| slopes.iter().map(|slope| slope / length).collect())
-}
-
-fn centred(values: DVector<f64>) -> DVector<f64> {
-    let mean = values.mean();
-    values.add_scalar(-mean)
+fn direction([first, other]: &[Vec<f64>; 2], columns: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let causes = Regression::on(&[first, other])?;
+    let slopes = columns.iter().map(|column| causes.slope(column));
+    let slopes: Vec<Slope> = slopes.collect::<Option<_>>()?;
+    let square: f64 = slopes.iter().map(|own| own.value * own.value).sum();
+    let variance: f64 = slopes.iter().map(|own| own.variance).sum();
+    let known = square > 0.0 && variance < TURNED * TURNED * square;
+    let length = square.sqrt();
+    known.then(|| slopes.iter().map(|own| own.value / length).collect())
 }
 
 #[cfg(test)]
@@ -90,7 +73,7 @@ mod tests {
     use super::*;
 
     /// Columns of a sensor that is turned by `turn` in the plane of the motion and tilted by `tilt` out of it.
-    fn columns(causes: &[DVector<f64>; 2], (turn, tilt): (f64, f64)) -> [Vec<f64>; 3] {
+    fn columns(causes: &[Vec<f64>; 2], (turn, tilt): (f64, f64)) -> [Vec<f64>; 3] {
         let [(sin, cos), (up, along)] = [turn.sin_cos(), tilt.sin_cos()];
         let read = |tangential: f64, radial: f64, offset: f64| -> Vec<f64> {
             let pairs = causes[0].iter().zip(causes[1].iter());
@@ -111,7 +94,7 @@ mod tests {
         let rate: Vec<f64> = time.clone().map(|t| (7.0 * t).sin() + 0.3 * t).collect();
         let first: Vec<f64> = time.map(|t| 7.0 * (7.0 * t).cos() + 0.3).collect();
         let square = rate.iter().map(|v| v * v).collect();
-        let causes = [first, square].map(|own| centred(DVector::from_vec(own)));
+        let causes = [first, square];
         for (turn, tilt) in [(0.0f64, 0.0f64), (0.7, -0.3), (2.5, 1.0), (-1.2, 0.4)] {
             let found = direction(&causes, &columns(&causes, (turn, tilt))).unwrap();
             let right = [
@@ -126,7 +109,7 @@ mod tests {
                 );
             }
         }
-        let still = [0, 1].map(|_| DVector::zeros(2000));
+        let still = [0, 1].map(|_| vec![0.0; 2000]);
         assert_eq!(direction(&still, &columns(&causes, (0.7, 0.0))), None);
     }
 }
