@@ -177,6 +177,7 @@ fn candidate(
     let effects = own.effects();
     let names: Vec<&str> = effects.iter().map(|effect| effect.0.name).collect();
     let log_evidence = found.log_evidence(own);
+    let refused = search.refusal(&found.refused, found.temperature, own);
     let held_out_ratio = match found.baseline.held_out > 0.0 {
         true => own.held_out / found.baseline.held_out,
         false => 1.0,
@@ -189,7 +190,7 @@ fn candidate(
         log_evidence,
         probability: *probability,
         held_out_ratio,
-        refused: search.refusal(found, own).map(str::to_string),
+        refused: refused.map(str::to_string),
     })
 }
 

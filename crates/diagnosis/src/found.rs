@@ -52,8 +52,7 @@ impl Search<'_> {
         let ranked = pool.ranked(temperature);
         let first = told.best.log_evidence(temperature);
         let weigh = |(own, log): (&Explanation, f64)| {
-            let sound = !told.refused.iter().any(|other| other.is_like(own))
-                && self.problem.is_meaningful(own, temperature);
+            let sound = self.refusal(&told.refused, temperature, own).is_none();
             (own.clone(), if sound { (log - first).exp() } else { 0.0 })
         };
         let mut ranked: Vec<(Explanation, f64)> = ranked.into_iter().map(weigh).collect();
@@ -91,13 +90,9 @@ impl Search<'_> {
         let ranked: Vec<Explanation> = ranked.collect();
         let mut refused = Vec::new();
         for own in ranked {
-            let better = own.held_out <= pool.baseline().held_out;
-            let meaningful = self.problem.is_meaningful(&own, temperature);
-            if better && !meaningful {
-                // Its other effects may be told. The search has left them behind, being less probable.
-                self.ablated(&own, pool);
-            }
-            if better && meaningful {
+            if own.held_out <= pool.baseline().held_out {
+                // Without an effect whose parameter means nothing, its others may be told. The search has left that
+                // behind, being less probable.
                 let ablated = self.ablated(&own, pool);
                 let worse = |without: &Explanation| {
                     let foreseen = |own: &Explanation| own.evidence.of_held_out(temperature);
@@ -106,7 +101,8 @@ impl Search<'_> {
                     chance(foreseen(without) - foreseen(&own))
                         && chance(missed(&own) - missed(without))
                 };
-                if ablated.iter().all(worse) {
+                let meaningful = self.problem.is_meaningful(&own, temperature);
+                if meaningful && ablated.iter().all(worse) {
                     return Told {
                         best: own,
                         ablated,
@@ -123,14 +119,19 @@ impl Search<'_> {
         }
     }
 
-    /// Why an explanation has no probability, whatever its evidence; `None` where it has one.
-    pub fn refusal(&self, found: &Found, own: &Explanation) -> Option<&'static str> {
-        let refused = || found.refused.iter().any(|other| other.is_like(own));
+    /// Why an explanation has no probability, whatever its evidence; `None` where it has one. `refused` are those that are not
+    /// reported.
+    pub fn refusal(
+        &self,
+        refused: &[Explanation],
+        temperature: f64,
+        own: &Explanation,
+    ) -> Option<&'static str> {
         if own.is_at_end {
             Some("a parameter is at the end of its range")
-        } else if !self.problem.is_meaningful(own, found.temperature) {
+        } else if !self.problem.is_meaningful(own, temperature) {
             Some("a parameter may be anything within its range")
-        } else if refused() {
+        } else if refused.iter().any(|other| other.is_like(own)) {
             Some(
                 "it predicts what was held out worse than without it, or without one of its effects",
             )

@@ -99,10 +99,8 @@ impl Search<'_> {
         for own in [baseline, before.clone()] {
             let best = pool.best(self.judge);
             let needed = !self.leaves_noise(best) || own.terms() == 0 && best.terms() > 1;
-            match needed && !pool.is_extended(&own, Table::Learned) {
-                true if is_over => pool.is_unfinished = true,
-                true => self.extend_by(pool, &own, Table::Learned),
-                false => {}
+            if needed {
+                self.extend_new(pool, &own, Table::Learned, is_over);
             }
         }
         !pool.best(self.judge).is_like(&before)
@@ -160,23 +158,23 @@ impl Search<'_> {
         for term in terms {
             let kept = pool.like(&point.without(term)).cloned();
             if let Some(kept) = kept {
-                self.exchange_at(pool, &kept);
+                self.extend_new(pool, &kept, Table::Named, self.is_over());
             }
         }
         if best.is_learned() {
             for own in pool.most_likely(best.terms()) {
-                self.exchange_at(pool, &own);
+                self.extend_new(pool, &own, Table::Named, self.is_over());
             }
         }
         !pool.best(self.judge).is_like(&best)
     }
 
-    /// Extends a structure by the catalogue, unless that was done, or the search is to end.
-    fn exchange_at(&self, pool: &mut Pool, own: &Explanation) {
-        match !pool.is_extended(own, Table::Named) {
-            true if self.is_over() => pool.is_unfinished = true,
-            true => self.extend_by(pool, own, Table::Named),
-            false => {}
+    /// Extends a structure by the laws of a table, unless that was done, or the search is over.
+    fn extend_new(&self, pool: &mut Pool, own: &Explanation, table: Table, is_over: bool) {
+        match pool.is_extended(own, table) {
+            true => {}
+            false if is_over => pool.is_unfinished = true,
+            false => self.extend_by(pool, own, table),
         }
     }
 }
