@@ -5,9 +5,9 @@ use quell::service::contract::{
 };
 use quell::service::following::{FOLLOWED, healthy};
 
-use quell_trajectories::Limits;
-
-use super::world::{LIMITS, PERIOD, STANDSTILL, WATCHDOG, World, config, first_beyond_limits};
+use super::world::{
+    LIMITS, PERIOD, STANDSTILL, WATCHDOG, World, config, first_beyond_limits, stopping,
+};
 
 fn state(world: &World) -> EnableState {
     world.snapshot().enable.state
@@ -200,14 +200,8 @@ fn a_stop_after_a_long_pause_does_not_wait_for_as_long() {
         let at = world.last().expect("setpoints").1.position;
         world.miss(missed);
         world.steps(400);
-        let Limits {
-            velocity,
-            acceleration,
-            jerk,
-        } = LIMITS;
         // What it takes to stop, and what it goes until the plan begins and while the train lasts.
-        let stop = 0.5 * velocity * (velocity / acceleration + acceleration / jerk);
-        let most = at + stop + (0.04 + 0.4) * velocity;
+        let most = at + stopping() + (0.04 + 0.4) * LIMITS.velocity;
         let last = world.last().expect("setpoints").1;
         assert!(
             last.velocity == 0.0 && last.position < most,

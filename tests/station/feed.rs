@@ -8,7 +8,7 @@ use quell_trajectories::{AxisState, Limits, Planner, RateRamp};
 
 use super::modes::{go, rest_of, two, world};
 use super::world::{
-    Answered, LIMITS, PERIOD, Sent, World, beyond_limits, config, first_beyond_limits,
+    Answered, LIMITS, PERIOD, Sent, World, beyond_limits, config, first_beyond_limits, stopping,
 };
 
 fn feed(world: &mut World, percent: f64) {
@@ -156,14 +156,9 @@ fn a_turn_at_a_low_feed_brakes_with_the_whole_limits() {
     feed(&mut world, 10.0);
     world.go(-1.0);
     world.steps(1500);
-    let Limits {
-        velocity,
-        acceleration,
-        jerk,
-    } = LIMITS;
+    let velocity = LIMITS.velocity;
     // What it takes to stop, and what it goes until the plan begins.
-    let stop = 0.5 * velocity * (velocity / acceleration + acceleration / jerk);
-    let most = turned_at.position + stop + 0.03 * velocity;
+    let most = turned_at.position + stopping() + 0.03 * velocity;
     let sent = world.sent();
     assert!(sent.iter().all(|(_, sent)| sent.position < most), "{most}");
     let last = sent.last().expect("setpoints").1;

@@ -27,6 +27,17 @@ pub const LIMITS: Limits = Limits {
     acceleration: 30.0,
     jerk: 600.0,
 };
+
+/// The way of a stop from the greatest velocity, rad.
+pub fn stopping() -> f64 {
+    let Limits {
+        velocity,
+        acceleration,
+        jerk,
+    } = LIMITS;
+    0.5 * velocity * (velocity / acceleration + acceleration / jerk)
+}
+
 /// A motor side that stands still for so many ticks is commanded.
 pub const STANDSTILL: usize = 80;
 const ROBOT: SocketAddr =
