@@ -15,6 +15,11 @@ const FINER: f64 = 4.0;
 /// is below the scatter of the chi-squared of a million samples.
 const UNSEEN: f64 = 0.1;
 
+/// Distance of knots, in samples, from which smoothing averages: the cubic of a knot then has five samples, of whose
+/// error it has `17/35` in the variance (Savitzky and Golay, Analytical Chemistry 36, 1964). The spectral density of
+/// the error below the knots' rate is no higher than that of the samples.
+const AVERAGED: f64 = 2.0;
+
 /// Samples over which the mean square of what smoothing takes away is formed: so few that a short motion, as of a
 /// knock, is not averaged away.
 const STRETCH: usize = 50;
@@ -54,7 +59,9 @@ impl Experiment {
                 }
             };
             let rough = rough.get_or_insert_with(|| self.predicted(model, &modes));
-            if error.is_some_and(|error| self.is_within(error, &grid))
+            // With fewer samples to a knot it would leave samples out, and the error of the rest would weigh more.
+            let averages = spacing >= AVERAGED * self.mean_interval();
+            if error.is_some_and(|error| averages && self.is_within(error, &grid))
                 // With steps that are short enough for an error below that of the input.
                 || self.sees_no_difference(rough, &other(short / FINER).predicted(model, &modes))
             {
@@ -62,6 +69,12 @@ impl Experiment {
                 return;
             }
         }
+    }
+
+    /// Mean distance of the input's stamps, s.
+    fn mean_interval(&self) -> f64 {
+        let (first, last) = self.span();
+        (last - first) / (self.input_time.len() - 1) as f64
     }
 
     /// Whether the input differs from a smooth one by no more than an error of this standard deviation.
