@@ -23,10 +23,13 @@ pub(super) struct Slope {
 }
 
 impl Regression {
-    /// On causes of equal length in time; `None` without any.
+    /// On causes of equal length in time; `None` without any, or where one is not finite: a prediction that diverged.
     pub fn on(causes: &[&[f64]]) -> Option<Self> {
         let columns: Vec<DVector<f64>> = causes.iter().map(|own| centred(own)).collect();
         let length = columns.first()?.norm();
+        if columns.iter().any(|own| !own.norm().is_finite()) {
+            return None;
+        }
         let scaled = columns
             .iter()
             .map(|own| own / own.norm().max(f64::MIN_POSITIVE));
