@@ -20,7 +20,8 @@ struct Powers {
 
 impl Problem<'_> {
     /// Whether the residual at a point grows with the motion. `None` where too few periods were recorded, or
-    /// where a force drives the motor side freely, since errors then add up.
+    /// where a force drives the motor side: free errors add up, and what is missing acts at rest, too, where
+    /// friction holds the motor side against the force.
     ///
     /// The windows have the length of a period. By the power of their motion, `a` is the third that moves least
     /// and `b` the third that moves most. Let `e` be the residual's power beyond the noise. If it were a
@@ -28,7 +29,8 @@ impl Problem<'_> {
     /// (1 + e m_b) - ln (1 + e m_a)`; for noise it does not rise. If the rise is less than half of that, with
     /// 95 % confidence, the residual is noise: at half of it both likelihoods are equal.
     pub fn follows_motion(&self, point: &Point) -> Option<bool> {
-        if self.scales.forced {
+        let coupled = self.experiments.iter().any(|own| own.coupling.is_some());
+        if self.scales.forced || coupled {
             return None;
         }
         let all = 0..self.experiments.len();
