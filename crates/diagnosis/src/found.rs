@@ -245,12 +245,20 @@ impl Found {
         own.log_evidence(self.temperature) - self.baseline.log_evidence(self.temperature)
     }
 
-    /// Fitted points of the explanations that are worth another look, one for each structure.
+    /// Fitted points of the explanations that are worth another look, one for each structure: those that are not
+    /// decisively less probable than the reported one. What is not reported for its parameters may be determined there.
     pub fn points(&self) -> Vec<Point> {
-        let points = self.ranked.iter().map(|own| own.0.fitted.point.clone());
+        let log = |own: &Explanation| own.log_evidence(self.temperature);
+        let least = log(&self.best) - DECISIVE;
+        let worth = self.ranked.iter().filter(|own| log(&own.0) >= least);
+        let points = worth.map(|own| own.0.fitted.point.clone());
         points.take(WORTH_ANOTHER_LOOK).collect()
     }
 }
 
-/// Explanations that are reused when the same recordings are looked at in another way.
+/// Most explanations that are reused when the same recordings are looked at in another way.
 const WORTH_ANOTHER_LOOK: usize = 20;
+
+/// Log of odds that leave no doubt, even if the priors are known only within a factor of a few: twice what Kass and
+/// Raftery (1995) call very strong.
+const DECISIVE: f64 = 10.0;
