@@ -40,18 +40,26 @@ fn inertia(name: &str, parameters: &[f64]) -> Box<dyn Inertia> {
     }
 }
 
-/// The drive's answer to a current is told in amperes and seconds.
+/// The drive's answer to a current is told in amperes and seconds. In front of a position loop its rate is that of the
+/// commanded position.
 #[test]
 fn drives_are_told_in_the_unit_of_their_input() {
-    let units = Units {
+    let units = |input: &str, reference: &str| Units {
         force: "N.m".into(),
         position: "rad".into(),
-        input: "A".into(),
+        input: input.into(),
+        reference: reference.into(),
     };
-    let of = |name: &str| effect(name).parameters[0].quantity.unit(&units);
-    assert_eq!(["dead_zone", "saturation"].map(of), ["A", "A"]);
-    let found = ["rate_limit", "torque_constant_nonlinearity", "drive_lag"].map(of);
-    assert_eq!(found, ["A/s", "1/A", "s"]);
+    let of = |name: &str, units: &Units| effect(name).parameters[0].quantity.unit(units);
+    let current = units("A", "A");
+    assert_eq!(of("dead_zone", &current), "A");
+    assert_eq!(of("saturation", &current), "A");
+    assert_eq!(of("rate_limit", &current), "A/s");
+    assert_eq!(of("torque_constant_nonlinearity", &current), "1/A");
+    assert_eq!(of("drive_lag", &current), "s");
+    let looped = units("N.m", "rad");
+    assert_eq!(of("saturation", &looped), "N.m");
+    assert_eq!(of("rate_limit", &looped), "rad/s");
 }
 
 /// A motion of unit stiffness.

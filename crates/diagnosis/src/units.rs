@@ -6,7 +6,7 @@ use quell_model::effects::Units;
 use quell_model::{Experiment, Output};
 use quell_recording::Role;
 
-/// Units of force, position and the drive's input. Where forces are divided by a stiffness they are
+/// Units of force, position, the drive's input and the reference. Where forces are divided by a stiffness they are
 /// positions; within a position loop the drive is given a force.
 pub fn units(problem: &Problem, point: &Point) -> Units {
     let experiment = &problem.experiments[0];
@@ -22,6 +22,7 @@ pub fn units(problem: &Problem, point: &Point) -> Units {
         },
         position: experiment.position_unit.clone(),
         force: force.clone(),
+        reference: experiment.input_unit.clone(),
     }
 }
 

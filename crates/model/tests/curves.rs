@@ -210,6 +210,7 @@ fn units() -> Units {
         force: "N".into(),
         position: "m".into(),
         input: "N".into(),
+        reference: "N".into(),
     }
 }
 

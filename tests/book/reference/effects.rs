@@ -38,6 +38,7 @@ fn section(effect: &Effect) -> String {
         force: "N".into(),
         position: "m".into(),
         input: "N".into(),
+        reference: "N".into(),
     };
     let rows = effect.parameters.iter().map(|parameter| {
         let role = format!("{:?}", parameter.role).to_lowercase();

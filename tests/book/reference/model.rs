@@ -73,6 +73,7 @@ fn keys(kind: &Kind, equation: &str) -> String {
         force: "N".into(),
         position: "m".into(),
         input: "input".into(),
+        reference: "input".into(),
     };
     let rows = kind.keys.iter().map(|key| {
         let default = key

@@ -19,6 +19,7 @@ impl Shape {
             position: law.position - coordinate.position,
             time: law.time - coordinate.time,
             input: law.input - coordinate.input,
+            reference: law.reference - coordinate.reference,
         };
         let over = curve.slot.coordinate().name();
         let mut said: Vec<String> = Vec::new();

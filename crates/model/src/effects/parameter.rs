@@ -2,7 +2,7 @@
 
 use super::Scales;
 
-/// A unit as a product of the model's units of force, position and input and of seconds.
+/// A unit as a product of the model's units of force, position, input and reference and of seconds.
 ///
 /// A damping coefficient is `Quantity::new(1, -1, 1)`: N.s/m on a linear axis, N.m.s/rad on a joint, and
 /// s where forces are divided by a stiffness.
@@ -16,6 +16,8 @@ pub struct Quantity {
     pub time: i8,
     /// Power of the unit of the drive's input: a force, a current, a voltage, a position.
     pub input: i8,
+    /// Power of the unit of the reference: what the machine is commanded.
+    pub reference: i8,
 }
 
 /// The units of a model for a given input.
@@ -25,8 +27,10 @@ pub struct Units {
     pub force: String,
     /// Of position.
     pub position: String,
-    /// Of the drive's input.
+    /// Of the drive's input: within a position loop the loop's output, else what the machine is commanded.
     pub input: String,
+    /// Of what the machine is commanded. A drive with a memory acts on it, in front of a position loop.
+    pub reference: String,
 }
 
 impl Quantity {
@@ -48,6 +52,7 @@ impl Quantity {
         position: 0,
         time: 0,
         input: -1,
+        reference: 0,
     };
     /// The drive's input.
     pub const INPUT: Self = Self::driven(1, 0);
@@ -59,6 +64,7 @@ impl Quantity {
             position,
             time,
             input: 0,
+            reference: 0,
         }
     }
 
@@ -69,6 +75,15 @@ impl Quantity {
             position: 0,
             time,
             input,
+            reference: 0,
+        }
+    }
+
+    /// The product of a power of the reference's unit and one of the second.
+    pub const fn commanded(reference: i8, time: i8) -> Self {
+        Self {
+            reference,
+            ..Self::driven(0, time)
         }
     }
 
@@ -81,6 +96,7 @@ impl Quantity {
     ///     force: force.into(),
     ///     position: position.into(),
     ///     input: input.into(),
+    ///     reference: "rad".into(),
     /// };
     /// let damping = Quantity::new(1, -1, 1);
     /// assert_eq!(damping.unit(&units("N", "m", "N")), "N.s/m");
@@ -88,6 +104,7 @@ impl Quantity {
     /// assert_eq!(damping.unit(&units("rad", "rad", "rad")), "s");
     /// assert_eq!(Quantity::NUMBER.unit(&units("N", "m", "N")), "1");
     /// assert_eq!(Quantity::driven(1, -1).unit(&units("N.m", "rad", "A")), "A/s");
+    /// assert_eq!(Quantity::commanded(1, -1).unit(&units("N.m", "rad", "N.m")), "rad/s");
     /// ```
     pub fn unit(self, units: &Units) -> String {
         let mut factors: Vec<(&str, i8)> = Vec::new();
@@ -95,6 +112,7 @@ impl Quantity {
             (units.force.as_str(), self.force),
             (&units.position, self.position),
             (&units.input, self.input),
+            (&units.reference, self.reference),
             ("s", self.time),
         ] {
             match factors.iter_mut().find(|factor| factor.0 == name) {

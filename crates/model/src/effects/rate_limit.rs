@@ -34,7 +34,7 @@ pub const RATE_LIMIT: Effect = Effect {
     parameters: &[Parameter {
         name: "rate",
         role: ParameterRole::Size,
-        quantity: Quantity::driven(1, -1),
+        quantity: Quantity::commanded(1, -1),
         bounds: |scales| (0.0, 100.0 * scales.input * scales.natural_frequency),
         neutral: 0.0,
         typical: |scales| 0.3 * scales.input * scales.natural_frequency,

@@ -20,6 +20,7 @@ impl Model {
             force: force.into(),
             position: "position".into(),
             input: "input".into(),
+            reference: "input".into(),
         })
     }
 
