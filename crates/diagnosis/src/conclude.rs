@@ -18,7 +18,7 @@ use super::quality::{level, quality};
 use super::scores::{Recordings, scores, take_over};
 use super::search::Search;
 use super::split::HeldOut;
-use super::summary::{summary, times, whole};
+use super::summary::{odds, summary, times};
 use super::tracker_scale::TrackerScale;
 use quell_model::Model;
 use quell_model::effects::ParameterRole;
@@ -217,20 +217,21 @@ fn finding(
 ) -> Finding {
     let (best, without) = (&found.best, found.without(effect));
     let equals: Vec<_> = found.equals.iter().map(Explanation::effects).collect();
-    let noise = |chi: f64, rows: usize| (chi / rows.max(1) as f64).sqrt();
-    let rows = search.judge.held_out_rows;
-    let odds = found.log_evidence(best) - found.log_evidence(without);
+    let left = |own: &Explanation| quality(search, &own.fitted.point).held_out_over_noise;
+    let log_odds = found.log_evidence(best) - found.log_evidence(without);
+    let weighed = match search.refusal(&found.refused, found.temperature, without) {
+        // It is told for the sake of the others: without it they say something that cannot be.
+        Some(why) if log_odds < 0.0 => format!("The explanation without it is refused: {why}."),
+        _ => format!("The odds for it are {}.", odds(log_odds)),
+    };
     Finding {
         effect: effect.0.name.to_string(),
         place: effect.1.name().to_string(),
         probability: found.probability(effect),
         parameters,
         evidence: format!(
-            "On what was held out the residual is {} times the noise without it, and {} times with it. The log \
-             evidence for it is {}.",
-            times(noise(without.held_out, rows)),
-            times(noise(best.held_out, rows)),
-            whole(odds),
+            "Without it the residual of the held-out data is {} times as large. {weighed}",
+            times(left(without) / left(best)),
         ),
         alternatives: alternatives(effect, &best.effects(), &equals)
             .into_iter()

@@ -72,8 +72,22 @@ pub fn summary(
     }
 }
 
+/// Odds beyond which no figure is told: so few claims of such certainty were tried that more cannot be confirmed.
+const SURE: f64 = 1000.0;
+
+/// Odds in words, of their natural logarithm: `12 to 1`, `1 to 3`, `more than 1000 to 1`.
+pub fn odds(log: f64) -> String {
+    let ratio = log.abs().exp();
+    match (log < 0.0, ratio > SURE) {
+        (false, true) => format!("more than {SURE} to 1"),
+        (true, true) => format!("less than 1 to {SURE}"),
+        (false, false) => format!("{ratio:.0} to 1"),
+        (true, false) => format!("1 to {ratio:.0}"),
+    }
+}
+
 /// A number without decimals, readable at any size.
-pub fn whole(value: f64) -> String {
+fn whole(value: f64) -> String {
     match value.abs() < 1e6 {
         true => format!("{value:.0}"),
         false => format!("{value:.1e}"),
@@ -124,7 +138,10 @@ fn names<'a>(findings: impl IntoIterator<Item = &'a Finding>, catalogue: Catalog
         }
     };
     let names: Vec<String> = findings.into_iter().map(name).collect();
-    names.join(" and ")
+    match names.as_slice() {
+        [front @ .., last] if !front.is_empty() => format!("{} and {last}", front.join(", ")),
+        names => names.concat(),
+    }
 }
 
 /// What the recording cannot tell from the findings, from each its own; nothing where there is nothing.
@@ -156,4 +173,22 @@ fn place(diagnosis: &Diagnosis) -> String {
     place.map_or_else(String::new, |place| {
         format!(" (it seems to sit in the {place})")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::odds;
+
+    #[test]
+    fn odds_are_told_in_words() {
+        let told = [12f64.ln(), -3f64.ln(), 50.0, -800.0, 0.0].map(odds);
+        let expected = [
+            "12 to 1",
+            "1 to 3",
+            "more than 1000 to 1",
+            "less than 1 to 1000",
+            "1 to 1",
+        ];
+        assert_eq!(told, expected);
+    }
 }

@@ -164,8 +164,7 @@ fn explained(page: Page, case: &Case, finding: &Finding) -> Page {
     let page = law::section(page, case, finding);
     let page = match finding.evidence.is_empty() {
         true => page,
-        // Its log evidence says something beside that of another explanation only: it is in diagnosis.json.
-        false => page.text(words::sentences(&finding.evidence, 1)),
+        false => page.text(finding.evidence.clone()),
     };
     let page = match case.diagnosis.may_be_absent(finding) {
         true => page.text(format!(
