@@ -152,14 +152,14 @@ fn kept(cases: u64) -> impl Iterator<Item = PathBuf> {
 fn source(args: &Args, keep: Option<&Stage>) -> Result<(Source, u64, String), CliError> {
     if let Some(folder) = &args.from {
         let count = read_cases(folder).map_err(CliError::input)?.len() as u64;
-        let line = format!("{count} cases of {}", folder.display());
+        let line = format!("{} of {}", cases_of(count), folder.display());
         return Ok((Source::Folder(folder.clone()), count, line));
     }
     let &Args { cases, seed, .. } = args;
     let names: Vec<&str> = args.kinds.iter().map(|kind| kind.name()).collect();
     let line = match names.as_slice() {
-        [] => format!("{cases} cases of seed {seed}"),
-        names => format!("{cases} cases of seed {seed}: {}", names.join(", ")),
+        [] => format!("{} of seed {seed}", cases_of(cases)),
+        names => format!("{} of seed {seed}: {}", cases_of(cases), names.join(", ")),
     };
     let source = Source::Generated {
         cases,
@@ -168,6 +168,11 @@ fn source(args: &Args, keep: Option<&Stage>) -> Result<(Source, u64, String), Cl
         keep: keep.map(|stage| stage.path().into()),
     };
     Ok((source, cases, line))
+}
+
+/// `1 case`, `24 cases`.
+fn cases_of(count: u64) -> String {
+    format!("{count} case{}", if count == 1 { "" } else { "s" })
 }
 
 fn told(error: ProofError) -> CliError {

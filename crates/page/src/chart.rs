@@ -2,6 +2,7 @@
 
 use super::html::{json_number, json_string};
 use super::series::{Axis, Series};
+use super::thin::STRETCHES;
 use maud::{Markup, html};
 
 /// Curves, points and bands over one abscissa, or impulse trains; with lines at given places.
@@ -220,13 +221,24 @@ impl Chart {
                 div.plot id=(format!("plot-{number}")) role="img" aria-label=(self.title) {}
                 p.note {
                     @if let Some(note) = &self.note { (note) " " }
-                    @for series in &self.series {
-                        @if let Some(thinning) = series.thinning(&self.x) { (thinning) }
-                    }
+                    @if let Some(thinning) = self.thinning() { (thinning) " " }
                     span.mouse { "Drag to zoom, double-click to see all again." }
                 }
             }
         }
+    }
+
+    /// A sentence that says how the longest series was thinned, if one was.
+    fn thinning(&self) -> Option<String> {
+        let thinned = self
+            .series
+            .iter()
+            .filter_map(|series| series.thinned_from(&self.x));
+        let all = thinned.max()?;
+        Some(format!(
+            "Not all of {all} samples are drawn: of each of {STRETCHES} stretches the first, the last, the smallest and the \
+             largest."
+        ))
     }
 
     /// The chart's data for the script.

@@ -52,6 +52,27 @@ pub fn number(value: f64) -> String {
     format!("{rounded}").replace('-', "\u{2212}")
 }
 
+/// `value` to so many significant digits, with trailing zeros, so that the accuracy of a column is the same in each row.
+/// As [`number`] where it is 0, or too large or small for that.
+///
+/// # Example
+/// ```
+/// use quell_page::significant;
+/// assert_eq!(significant(0.46, 3), "0.460");
+/// assert_eq!(significant(1.0, 3), "1.00");
+/// assert_eq!(significant(99.97, 3), "100");
+/// assert_eq!(significant(0.0, 3), "0");
+/// ```
+pub fn significant(value: f64, count: usize) -> String {
+    let rounded = digits(value, count);
+    if !(1e-4..1e6).contains(&rounded.abs()) {
+        return number(rounded);
+    }
+    let whole = rounded.abs().log10().floor() as i32 + 1;
+    let decimals = usize::try_from(count as i32 - whole).unwrap_or(0);
+    format!("{rounded:.decimals$}").replace('-', "\u{2212}")
+}
+
 /// `value` with so many decimals as columns show it; as [`number`] where that would fill the line or there is none.
 ///
 /// # Example

@@ -17,6 +17,6 @@ pub use chain::Chain;
 pub use chart::Chart;
 pub use columns::columns;
 pub use figure::Figure;
-pub use html::{decimals_beside, digits, fixed, number};
+pub use html::{decimals_beside, digits, fixed, number, significant};
 pub use page::{Page, ReportError, STYLE, UPLOT_SCRIPT, UPLOT_STYLE, Verdict};
 pub use table::{Cell, Table};

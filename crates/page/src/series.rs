@@ -1,7 +1,7 @@
 //! The content of a chart: its axes and its series, and their data for the script.
 
 use super::html::{json_number, json_numbers, json_string};
-use super::thin::{STRETCHES, thinned};
+use super::thin::thinned;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Axis {
@@ -61,16 +61,10 @@ impl Series {
         drawn
     }
 
-    /// A sentence that says how the series was thinned, if it was.
-    pub(super) fn thinning(&self, x: &Axis) -> Option<String> {
-        let (drawn, all) = (self.drawn(x).len(), self.x.len() - self.first(x));
-        (drawn < all).then(|| {
-            format!(
-                "{}: {drawn} of {all} samples are drawn, the first, last, smallest and largest of \
-                 each of {STRETCHES} stretches. ",
-                self.label,
-            )
-        })
+    /// The number of samples of which not all are drawn.
+    pub(super) fn thinned_from(&self, x: &Axis) -> Option<usize> {
+        let all = self.x.len() - self.first(x);
+        (self.drawn(x).len() < all).then_some(all)
     }
 
     pub(super) fn json(&self, x: &Axis, y: &Axis, colour: usize) -> String {

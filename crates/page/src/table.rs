@@ -1,7 +1,7 @@
 //! Tables.
 
 use super::colour::swatch;
-use super::html::number;
+use super::html::significant;
 use maud::{Markup, html};
 
 /// One entry of a table.
@@ -9,7 +9,7 @@ use maud::{Markup, html};
 pub enum Cell {
     /// Words.
     Text(String),
-    /// A number, shown with four significant digits; not finite shows as a dash.
+    /// A number, shown with [`DIGITS`] significant digits; not finite shows as a dash.
     Number(f64),
     /// Words that lead to a file beside the page.
     Link {
@@ -58,6 +58,9 @@ pub struct Table {
     rows: Vec<Row>,
     note: Option<String>,
 }
+
+/// Significant digits of a number. What is known better is given as text.
+const DIGITS: usize = 3;
 
 /// Most characters of a cell that is not broken into lines, as of an interval or of a place.
 const SHORT: usize = 16;
@@ -161,7 +164,7 @@ impl Table {
                                 @if let Some(slot) = own(index, text) { (swatch(slot)) }
                                 (text)
                             }
-                            Some(Cell::Number(value)) => { (number(*value)) }
+                            Some(Cell::Number(value)) => { (significant(*value, DIGITS)) }
                             None => {}
                         }
                     }

@@ -66,7 +66,8 @@ pub fn section(page: Page, case: &Case) -> Page {
         _ => "What it changes",
     };
     let (from, to) = (trace.time[close.start], trace.time[close.end - 1]);
-    let title = format!("{}, {from:.2} to {to:.2} s: a close look", trace.name);
+    let name = words::capital(&trace.name);
+    let title = format!("{name}, {from:.2} to {to:.2} s: a close look");
     let note = match case.diagnosis.verdict {
         Verdict::NoMismatch => "The stretch with the largest misfit of all; it is noise.",
         Verdict::NotExcited => "The stretch with the largest misfit of all.",
@@ -78,7 +79,7 @@ pub fn section(page: Page, case: &Case) -> Page {
         case,
         trace,
         all.clone(),
-        format!("{}, the whole recording", trace.name),
+        format!("{name}, the whole recording"),
         &names,
     );
     let page = page

@@ -5,7 +5,7 @@ use super::motion::residual;
 use super::score::score_beside;
 use super::shown::{Shown, rms};
 use quell_diagnosis::Scored;
-use quell_page::{Page, Table, digits};
+use quell_page::{Page, Table, number};
 
 /// The last section.
 pub fn section(page: Page, case: &Case) -> Page {
@@ -71,7 +71,8 @@ fn scores(case: &Case) -> Table {
         .text_column("model")
         .text_column("score")
         .note(
-            "Of the whole recording, its clocks, offsets and unknown starts fitted to all of it.",
+            "Of the whole recording: clocks, offsets and unknown starts are fitted to all of it. The noise is measured \
+             anew beside each model.",
         );
     let fold = |table: Table, own: &Scored| {
         let name = || own.recording.clone().into();
@@ -100,12 +101,11 @@ fn nuisances(case: &Case) -> Table {
         .note("The model's own parameters as refitted, clock and output offsets.");
     let all = case.diagnosis.nuisances.iter();
     all.fold(table, |table, (name, value)| {
-        let ci95 = case.diagnosis.nuisances_ci95.get(name);
-        let ci95 = ci95.map(|[from, to]| format!("{} to {}", digits(*from, 5), digits(*to, 5)));
-        table.row([
-            name.clone().into(),
-            (*value).into(),
-            ci95.unwrap_or_default().into(),
-        ])
+        let plain = Shown::plain();
+        let [quoted, interval] = match case.diagnosis.nuisances_ci95.get(name) {
+            Some(ci95) => [plain.quoted(*value, *ci95), plain.interval(*ci95)],
+            None => [number(*value), String::new()],
+        };
+        table.row([name.clone().into(), quoted.into(), interval.into()])
     })
 }

@@ -19,6 +19,14 @@ impl From<Preferred> for Shown {
 }
 
 impl Shown {
+    /// For values whose unit is in their name.
+    pub fn plain() -> Self {
+        Self {
+            factor: 1.0,
+            unit: String::new(),
+        }
+    }
+
     /// For values of this unit whose largest has this size.
     pub fn of(unit: &str, size: f64) -> Self {
         Preferred::of(unit, size).into()

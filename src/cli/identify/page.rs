@@ -4,7 +4,9 @@ use super::{Findings, registrations, words};
 use crate::estimators::offline::amplitude_spectrum;
 use crate::estimators::{ESTIMATORS, Estimate};
 use crate::identification::{OffLine, Recommended, Run};
-use crate::page::{Chart, Figure, Page, Table, Verdict, decimals_beside, digits, fixed, number};
+use crate::page::{
+    Chart, Figure, Page, Table, Verdict, decimals_beside, digits, fixed, number, significant,
+};
 use quell_shapers::UncertainMode;
 
 const TAU: f64 = core::f64::consts::TAU;
@@ -84,11 +86,7 @@ fn headline(page: Page, findings: &Findings, best: &Recommended) -> Page {
 
 /// A standard deviation as it is quoted: to two digits.
 fn two_digits(value: f64) -> String {
-    number(rounded(value))
-}
-
-fn rounded(value: f64) -> f64 {
-    format!("{value:.1e}").parse().unwrap_or(value)
+    significant(value, 2)
 }
 
 fn on_line(findings: &Findings) -> Table {
@@ -98,12 +96,12 @@ fn on_line(findings: &Findings) -> Table {
         .column("std", "Hz")
         .column("damping ratio", "")
         .column("std", "")
-        .column("gain", "")
+        .column("static gain", "")
         .column("converged at", "s")
         .column("after", "periods")
         .text_column("over")
         .note(
-            "Periods count from the start of the motion, or of the free decay. A method that does not know its error has its \
+            "Static gain: deformation over position of the motor side at rest, 0 for a plain mode. Periods count from the start of the motion, or of the free decay. A method that does not know its error has its \
              distance from the recommended one in its deviation.",
         );
     for (index, line) in ESTIMATORS.iter().enumerate() {
@@ -111,16 +109,22 @@ fn on_line(findings: &Findings) -> Table {
         let result = run.and_then(|run| run.estimator(line.name));
         let e = result.and_then(|result| result.estimate);
         let std = e.map(|e| findings.found.deviations(&e, line.states_error));
-        let number = |value: Option<f64>| value.unwrap_or(f64::NAN).into();
+        let [frequency, frequency_std] =
+            with_std(e.map(|e| e.mode.hertz()), std.map(|std| std[0] / TAU));
+        let [damping, damping_std] =
+            with_std(e.map(|e| e.mode.damping_ratio()), std.map(|std| std[1]));
         table = table.row([
             line.name.into(),
-            number(e.map(|e| e.mode.hertz())),
-            number(std.map(|std| rounded(std[0] / TAU))),
-            number(e.map(|e| e.mode.damping_ratio())),
-            number(std.map(|std| rounded(std[1]))),
-            number(e.map(|e| e.gain)),
-            number(result.and_then(|r| r.converged_at)),
-            number(result.and_then(|r| r.periods)),
+            frequency.into(),
+            frequency_std.into(),
+            damping.into(),
+            damping_std.into(),
+            e.map(|e| e.gain).into(),
+            result
+                .and_then(|r| r.converged_at)
+                .map_or_else(|| number(f64::NAN), |at| fixed(at, 3))
+                .into(),
+            result.and_then(|r| r.periods).into(),
             run.map_or("needs a free decay".into(), words::shown).into(),
         ]);
     }
@@ -136,18 +140,32 @@ fn off_line(run: &Run) -> Table {
         .column("std", "")
         .text_column("over");
     for line in &run.off_line {
+        let [frequency, frequency_std] = with_std(
+            Some(line.mode.hertz()),
+            line.natural_frequency_std.map(|std| std / TAU),
+        );
+        let [damping, damping_std] =
+            with_std(Some(line.mode.damping_ratio()), line.damping_ratio_std);
         table = table.row([
             line.method.into(),
-            line.mode.hertz().into(),
-            line.natural_frequency_std
-                .map_or(f64::NAN, |std| rounded(std / TAU))
-                .into(),
-            line.mode.damping_ratio().into(),
-            line.damping_ratio_std.map_or(f64::NAN, rounded).into(),
+            frequency.into(),
+            frequency_std.into(),
+            damping.into(),
+            damping_std.into(),
             words::used(run).into(),
         ]);
     }
     table
+}
+
+/// A value and its standard deviation: with the same decimals, which show two digits of the latter. Without one four
+/// digits of the value.
+fn with_std(value: Option<f64>, std: Option<f64>) -> [String; 2] {
+    let value = value.unwrap_or(f64::NAN);
+    match std.filter(|std| std.is_finite() && *std > 0.0 && value.is_finite()) {
+        Some(std) => [value, std].map(|one| fixed(one, decimals_beside(std, 2))),
+        None => [significant(value, 4), number(f64::NAN)],
+    }
 }
 
 /// One quantity of all estimators over a run, the likelihood's with a band of two standard deviations, the

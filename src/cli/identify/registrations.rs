@@ -6,7 +6,7 @@ use super::prior;
 use crate::identification::{
     Identification, IdentificationError, NominalModel, OffLine, Series, identify, prepare,
 };
-use crate::page::{Table, columns, fixed};
+use crate::page::{Table, columns, fixed, significant};
 use crate::recording::Recording;
 use crate::signal::{ArcRegistration, TipRegistration};
 
@@ -149,17 +149,19 @@ pub fn table(registered: &[Registered]) -> Option<Table> {
              those of the batch fit.",
         );
     for one in registered {
-        let figure = |of: &dyn Fn(&Outcome) -> Option<f64>| {
+        let figure =
+            |of: &dyn Fn(&Outcome) -> Option<f64>| one.outcome.as_ref().ok().and_then(of).into();
+        let four = |of: &dyn Fn(&Outcome) -> Option<f64>| {
             let value = one.outcome.as_ref().ok().and_then(of);
-            value.unwrap_or(f64::NAN).into()
+            significant(value.unwrap_or(f64::NAN), 4).into()
         };
         table = table.row([
             one.way.name().into(),
             figure(&|outcome| Some(1e6 * outcome.residual())),
             figure(&|outcome| Some(1e3 * outcome.registration.angle_error)),
             figure(&|outcome| Some(1e3 * outcome.registration.clock.offset)),
-            figure(&|outcome| Some(outcome.fit.as_ref()?.mode.hertz())),
-            figure(&|outcome| Some(outcome.fit.as_ref()?.mode.damping_ratio())),
+            four(&|outcome| Some(outcome.fit.as_ref()?.mode.hertz())),
+            four(&|outcome| Some(outcome.fit.as_ref()?.mode.damping_ratio())),
         ]);
     }
     Some(table)

@@ -6,7 +6,7 @@ use crate::page::{decimals_beside, fixed};
 use crate::recording::Role;
 use quell_shapers::UncertainMode;
 
-/// `decay 0.39-2.00s`: the data of a run's off-line references.
+/// `decay, 0.39 to 2.00 s`: the data of a run's off-line references.
 pub fn used(run: &Run) -> String {
     seconds(run, run.fitted)
 }
@@ -23,29 +23,27 @@ fn seconds(run: &Run, Stretch { from, until }: Stretch) -> String {
         (_, true) => "all",
         _ => "part",
     };
-    format!("{kind} {}-{}s", fixed(from, 2), fixed(until, 2))
+    format!("{kind}, {} to {} s", fixed(from, 2), fixed(until, 2))
 }
 
-/// The recommended line, its mode, and the reason, in a sentence.
+/// The recommended mode, its method, and the reason, in a few sentences.
 pub fn recommended(findings: &Findings, best: &Recommended) -> String {
     let modes: Vec<String> = best.modes().map(quoted).collect();
     let found = &findings.found;
     let why = match best.why {
         Why::Motion if found.known_input_holds.is_none() => format!(
-            "no method without bias has a smaller deviation, and with the motion as known input it explains {:.1} % of the \
-             deformation",
+            "No unbiased method has a smaller deviation. With the motion as known input it explains {:.1} % of the \
+             deformation.",
             100.0 * found.explained
         ),
-        Why::Motion => "no method without bias has a smaller deviation, and the motion as known input agrees with the free \
-                        decay"
+        Why::Motion => "No unbiased method has a smaller deviation. Motion and free decay agree.".into(),
+        Why::Decay => "The motor side's motion does not explain the deformation, so only the free decay counts. No \
+                       unbiased method has a smaller deviation there."
             .into(),
-        Why::Decay => "the motor side's motion does not explain the deformation, so only the free decay counts; no method \
-                       without bias has a smaller deviation there"
-            .into(),
-        Why::TwoModes => "the likelihood ratio excludes one mode".into(),
-        Why::OffLine => "no estimator told a mode sample by sample".into(),
+        Why::TwoModes => "The likelihood ratio excludes one mode.".into(),
+        Why::OffLine => "No estimator gave a mode sample by sample.".into(),
     };
-    format!("{}, {}: {why}.", best.method, modes.join(" and "))
+    format!("{}, by {}. {why}", modes.join(" and "), best.method)
 }
 
 /// A mode with its standard deviations.

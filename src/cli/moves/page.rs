@@ -62,9 +62,10 @@ fn sentence(comparison: &Comparison) -> String {
     let percent = |kind| comparison.ratio(kind) * 100.0;
     let whole = |kind| comparison.whole_ratio(kind) * 100.0;
     format!(
-        "After the move the adaptive shaper leaves {:.1} % of the unshaped vibration on the first move and {:.1} % on \
-         the next. The shaper of the wrong belief leaves {:.0} %. The whole move, wherever the plan does not accelerate, \
-         has at most {:.1} %, {:.1} % and {:.0} %.",
+        "The adaptive shaper leaves {:.1} % of the unshaped vibration after its first move, and {:.1} % after the next. The \
+         shaper of the wrong belief leaves {:.0} %. During the move, too, while the plan does not accelerate, the tip \
+         vibrates by at most {:.1} % with the adaptive shaper on its first move, {:.1} % on the next, and {:.0} % with the \
+         wrong belief.",
         percent(MoveKind::AdaptiveFirst),
         percent(MoveKind::AdaptiveNext),
         percent(MoveKind::WrongBelief),
