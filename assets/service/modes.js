@@ -48,7 +48,8 @@ function row(mode, k) {
     `${number(mode.contribution_percent, 2)} %`,
     mode.shaped ? "shaped for" : "told, not shaped for",
   ];
-  made.append(...cells.map((text, column) => element("td", text, column && column < 4 ? { class: "number" } : {})));
+  const names = ["mode", "frequency, Hz", "damping ratio", "part of the vibration", ""];
+  made.append(...cells.map((text, column) => element("td", text, { ...(column && column < 4 && { class: "number" }), "data-name": names[column] })));
   return made;
 }
 

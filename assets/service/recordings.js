@@ -16,7 +16,7 @@ export async function listRecordings() {
     const what = element("td", `${entry.joint}, ${new Date(1e3 * entry.unix_time_s).toLocaleString()}`);
     what.append(element("small", entry.name));
     const { result } = entry;
-    const left = !result ? "–" : result.interrupted ? "interrupted" : result.vibration_m != null ? `${number(1e3 * result.vibration_m, 2)} mm` : result.vibration_rad != null ? `${number(1e3 * result.vibration_rad, 2)} mrad` : "–";
+    const left = !result ? "–" : result.interrupted ? "interrupted" : vibration(result);
     const button = element("button", "Diagnose", { type: "button", "aria-label": `Diagnose ${entry.name}` });
     button.onclick = () => diagnose(entry.name);
     const link = element("a", "Download", { href: withToken(`/api/v1/recordings/${entry.name}`), download: "", "aria-label": `Download ${entry.name}` });
@@ -25,6 +25,13 @@ export async function listRecordings() {
     row.append(what, element("td", left, { class: "number", "data-name": "left" }), element("td", `${number(entry.duration_s)} s`, { class: "number", "data-name": "length" }), actions);
     return row;
   }));
+}
+
+/** What a move has left, in words. */
+function vibration({ vibration_m: metres, vibration_rad: radians }) {
+  const [value, unit] = metres != null ? [metres, "mm"] : [radians, "mrad"];
+  if (value == null) return "–";
+  return value === 0 ? "below the noise" : `${number(1e3 * value, 2)} ${unit}`;
 }
 
 $("record").onclick = async () => {

@@ -228,7 +228,7 @@ function move(target) {
   // What is sent is what is shown.
   const target_deg = rounded(target);
   $("target").value = target_deg;
-  command("/api/v1/move", { joint: name, target_deg }, (answer) => `Moving, ${number(answer.duration_s)} s${answer.speed < 1 ? ` at ${number(100 * answer.speed)} % of full speed` : ""}.`);
+  command("/api/v1/move", { joint: name, target_deg }, (answer) => `The move takes ${number(answer.duration_s)} s${answer.speed < 1 ? ` at ${number(100 * answer.speed)} % of full speed` : ""}.`);
 }
 
 function change(what) {

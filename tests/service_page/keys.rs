@@ -81,7 +81,7 @@ pub fn numbers_are_those_that_people_read(browser: &mut Browser) {
     ] {
         silence(browser);
         browser.click(&format!("[data-by=\"{step}\"]"), 1);
-        browser.until("document.querySelector('#said').textContent.startsWith('Moving, ')");
+        browser.until("document.querySelector('#said').textContent.startsWith('The move takes ')");
         let shown = browser.value("document.querySelector('#target').value");
         assert_eq!(shown, json!(expected), "a step of {step}");
         arrived(browser, expected);

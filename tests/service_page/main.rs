@@ -44,7 +44,7 @@ fn travel(browser: &mut Browser, degrees: i32, moves: usize) {
     browser.commands();
     silence(browser);
     browser.press(ENTER, 20);
-    browser.until("document.querySelector('#said').textContent.startsWith('Moving, ')");
+    browser.until("document.querySelector('#said').textContent.startsWith('The move takes ')");
     assert_eq!(
         browser.commands(),
         ["POST /api/v1/move"],
