@@ -1,7 +1,7 @@
 //! The two machines of the atlas in a standard motion, with an effect in them or without.
 
 use nalgebra::{DMatrix, DVector};
-use quell::effects::{Coordinate, EFFECTS, Effect, Law, Place, Scales, Visited};
+use quell::effects::{Coordinate, EFFECTS, Effect, Law, Place, Quantity, Scales, Units, Visited};
 use quell::model::{Departure, Experiment, Model, Term, simulate};
 use quell::recording::{Channel, Recording, Role};
 use std::f64::consts::TAU;
@@ -98,6 +98,28 @@ pub fn position(time: f64) -> f64 {
 }
 
 impl Arm {
+    /// Units of the model: its forces are positions where they are divided by the stiffness.
+    pub fn units(&self) -> Units {
+        let force = match self.model.kind.normalised {
+            true => self.unit,
+            false => "N",
+        };
+        Units {
+            force: force.into(),
+            position: self.unit.into(),
+            input: force.into(),
+            reference: self.unit.into(),
+        }
+    }
+
+    /// A name with the unit of its quantity; of a number the name alone.
+    pub fn with_unit(&self, name: &str, quantity: Quantity) -> String {
+        match quantity.unit(&self.units()).as_str() {
+            "1" => name.into(),
+            unit => format!("{name}, {unit}"),
+        }
+    }
+
     fn new(
         name: &'static str,
         model: &str,

@@ -120,7 +120,7 @@ fn index(entries: &[Entry]) -> String {
          decides, at the typical size of the effect; the others follow from its physics.\n\n{}\
          ## By place\n\n{}\
          ## How small an effect can be seen\n\nEach page tells the least size that each sensor sees in the standard motion, \
-         above a white noise that it names: in the unit of `model.toml`. The misfit `r` is that of the effect \
+         above a white noise that it names. The misfit `r` is that of the effect \
          when the parameters of the model and an offset have been refitted. With noise `n` and `N` samples its \
          log evidence is about `N r^2 / (2 T n^2)`, \
          `T = 4`, and it must exceed some 10 ([how the diagnosis decides](../theory/evidence.md)). With another noise or \
@@ -156,8 +156,8 @@ fn pictures(own: &Entry) -> [Panel; 3] {
             ),
             x,
             y,
-            along: slot.coordinate().name().into(),
-            up: slot.law().into(),
+            along: arm.with_unit(slot.coordinate().name(), slot.quantities()[0]),
+            up: arm.with_unit(slot.law(), slot.quantities()[1]),
         })
     });
     let over_velocity = || {

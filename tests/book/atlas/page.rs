@@ -98,7 +98,10 @@ fn sensors(own: &Entry) -> String {
             ]
         });
     let size = &own.term.effect.parameters[own.term.effect.size()];
-    let sees = format!("sees {}", size.name.replace('_', " "));
+    let sees = own.arm.with_unit(
+        &format!("sees {}", size.name.replace('_', " ")),
+        size.quantity,
+    );
     table(
         [
             "sensor, its noise",
@@ -188,5 +191,5 @@ fn written(own: &Entry) -> String {
             .map(|value| digits(value).into())
             .collect(),
     });
-    model.to_toml()
+    model.to_toml_in(&own.arm.units())
 }
