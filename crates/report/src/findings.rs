@@ -110,9 +110,14 @@ pub fn parameters(page: Page, case: &Case) -> Page {
         none if none.is_empty() => "none of them".into(),
         names => names,
     };
-    let page = page.heading("Its size").text(format!(
-        "The model that was written has {names}. The other explanations have sizes of their own.",
-    ));
+    let in_doubt = |own: &Finding| !own.alternatives.is_empty();
+    let others = match case.diagnosis.findings.iter().any(in_doubt) {
+        true => " The other explanations have sizes of their own.",
+        false => "",
+    };
+    let page = page
+        .heading("Its size")
+        .text(format!("The model that was written has {names}.{others}",));
     table(page, case)
 }
 

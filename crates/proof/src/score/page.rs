@@ -3,7 +3,7 @@
 use super::kinds::{RATES, SPREADS};
 use super::reliability::ENOUGH;
 use super::{Bin, Judged, Rate, Score};
-use quell_page::{Bars, Cell, Chart, Figure, Page, Table, Verdict};
+use quell_page::{Bars, Cell, Chart, Figure, Page, Table, Verdict, significant};
 use std::collections::BTreeSet;
 
 /// Share of right cases from which the page opens with a good sign.
@@ -58,8 +58,9 @@ impl Score {
             lines.map(|line| Figure::text(line.name, line.rate.share()).note(line.rate.count()));
         let spreads = self.spreads();
         let test = spreads.iter().filter(|entry| entry.0 == "test_over_noise");
-        let test =
-            test.map(|(_, name, spread)| Figure::new(*name, spread.median, "").note("median"));
+        let test = test.map(|(_, name, spread)| {
+            Figure::text(*name, significant(spread.median, 3)).note("median")
+        });
         rates.chain(test).collect()
     }
 
