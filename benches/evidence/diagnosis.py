@@ -7,7 +7,7 @@ from .table import Table, as_printed, found, markdown
 PAGE = "diagnosis.md"
 # Seed and number of cases: those of today first.
 SEEDS = {"50321": 24, "24681": 24, "90017": 24, "73301": 24, "60311": 24, "55117": 16, "9005": 40}
-# Example: what is judged, factor from the unit of `fit` to that of the row, and this.
+# Example: what is judged, factor from the unit of its scores to that of the row, and this.
 REAL = {
     "emps": ("position of the carriage, moves 7 and 8", 1e6, "um"),
     "silverbox": ("free run over the arrow", 1e3, "mV"),
@@ -77,16 +77,35 @@ def full(outputs):
     return markdown(["", "aim", *(f"{name}, {score['cases']}" for name, score in zip(("own generator", "MuJoCo"), scores))], rows)
 
 
+def short(value):
+    """Three digits, without a power of ten where it is not needed."""
+    return f"{float(f'{value:.3g}'):.12g}"
+
+
+def left(score, factor, unit):
+    """A misfit, and the number of windows in which the recording was predicted, each with a start of its own."""
+    windows = f", {score['windows']} windows" if score["windows"] > 1 else ""
+    return f"{short(factor * score['rms'])} {unit}{windows}"
+
+
+def told(finding):
+    """A finding with its place and its parameters; of a learned law what its curve says."""
+    name = f"{finding['effect'].replace('_', ' ')} at the {finding['place']}"
+    if learned := finding.get("curve", {}).get("learned"):
+        return f"{name}: {learned['sentence'].rstrip('.')}"
+    values = (f"{p['name'].replace('_', ' ')} {short(p['value'])} {p['unit'].removeprefix('1')}".strip() for p in finding["parameters"])
+    return f"{name} ({', '.join(values)})"
+
+
 def real(outputs):
     """What is said of the public recordings."""
     rows = []
     for (name, (what, factor, unit)), text in zip(REAL.items(), outputs):
         answer = json.loads(text)
-        sizes = [f"{factor * answer['fit'][when]['held_out_rms']:.3g} {unit}" for when in ("before", "after")]
-        named = []
-        for finding in answer["findings"]:
-            values = (f"{p['name'].replace('_', ' ')} {p['value']:.3g} {p['unit'].removeprefix('1')}".strip() for p in finding["parameters"])
-            named.append(f"{finding['effect'].replace('_', ' ')} at the {finding['place']} ({', '.join(values)})")
+        # What `quell score` says of it: a misfit that is coupled to the measured motion shows less than a prediction.
+        score = next(score for score in answer["fit"]["scores"] if score["held_out"])
+        sizes = [left(score[when], factor, unit) for when in ("before", "after")]
+        named = [told(finding) for finding in answer["findings"]]
         verdict = answer["verdict"].replace("_", " ")
         rows.append([f"`{name}`: {what}", *sizes, f"{'; '.join(named) or 'nothing'}; verdict \"{verdict}\""])
     return markdown(["recording", "before", "after", "named"], rows)

@@ -68,7 +68,7 @@ pub struct Finding {
     pub probability: f64,
     /// Its parameters.
     pub parameters: Vec<FittedParameter>,
-    /// One sentence.
+    /// In words: how much larger the residual of the held-out data is without it, and its odds.
     pub evidence: String,
     /// Effects that the data cannot tell from it.
     pub alternatives: Vec<String>,
