@@ -19,6 +19,11 @@ REAL = {
 FOLDERS = {"quanser": "quanser_2dsfl", "friction_damper": "arts_friction_backlash", "flexarm": "flexarm_ist"}
 
 
+def decimals(value, digits):
+    """A figure; a dash where no case has one."""
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
 def concealed(outputs):
     """Rates of `quell prove`, by seed."""
     scores = [json.loads(text) for text in outputs]
@@ -34,7 +39,7 @@ def concealed(outputs):
 
     def spread(score, key, digits):
         one = score["figures"][key]
-        return f"{one['median']:.{digits}f}, {one['ninth_decile']:.{digits}f}"
+        return ", ".join(decimals(one[which], digits) for which in ("median", "ninth_decile"))
 
     rows = [
         ("single effects: family found", lambda s: rate(s, "kinds", "single", "all_families")),
@@ -59,14 +64,15 @@ def full(outputs):
         return [f"{c['right']} of {c['of']}, {c['percent']:.0f} %" if c["of"] else "-" for c in cells]
 
     def spread(key):
-        return [f"{one['median']:.2f}; {one['ninth_decile']:.2f}" for one in (score["figures"][key] for score in scores)]
+        figures = (score["figures"][key] for score in scores)
+        return ["; ".join(decimals(one[which], 2) for which in ("median", "ninth_decile")) for one in figures]
 
     rows = [
         ["mismatch noticed", "", *rate("detected")],
         ["family, single effects", "98 %", *rate("family")],
         ["exact name", "92 %", *rate("exact")],
         ["truth in the set", "97 %", *rate("in_set")],
-        ["size of the set, mean", "1.3", *(f"{score['figures']['set_size']['mean']:.2f}" for score in scores)],
+        ["size of the set, mean", "1.3", *(decimals(score["figures"]["set_size"]["mean"], 2) for score in scores)],
         ["two effects, both families", "94 %", *rate("two_families")],
         ["false alarms", "1 %", *rate("false_alarms")],
         ["outside the catalogue, flagged", "85 %", *rate("outside_flagged")],
