@@ -9,6 +9,11 @@ use std::collections::BTreeSet;
 /// Share of right cases from which the page opens with a good sign.
 const GOOD: f64 = 95.0;
 
+/// On one line on a narrow page, too.
+fn unbroken(text: &str) -> String {
+    text.replace(' ', "\u{a0}")
+}
+
 impl Score {
     /// A page with the score: what was aimed at, what came out, what was taken for what.
     pub fn page(&self, subtitle: &str) -> Page {
@@ -77,14 +82,14 @@ impl Score {
             let interval = if line.rate.of == 0 {
                 "\u{2013}".into()
             } else {
-                format!("{low:.1} to {high:.1} %")
+                format!("{low:.1} to {high:.1}\u{a0}%")
             };
             table = table.row([
                 line.name.into(),
-                line.rate.count().into(),
+                unbroken(&line.rate.count()).into(),
                 line.rate.percent().into(),
                 interval.into(),
-                line.aim.to_string().into(),
+                unbroken(&line.aim.to_string()).into(),
                 line.aim.verdict(line.rate).into(),
             ]);
         }
