@@ -15,10 +15,12 @@ pub enum TimeUnit {
     Nanoseconds,
     /// Minutes.
     Minutes,
-    /// Date and time by ISO 8601, as `2024-05-01T12:00:00.250Z`; or a time of day, as `12:00:00.250`.
+    /// Date and time by ISO 8601, as `2024-05-01T12:00:00.250Z`, also `2024/05/01`; or a time of day, as `12:00:00.250`.
     Iso,
-    /// Day, month, year and time, as `01.05.2024 12:00:00,250`.
+    /// Day, month, year and time, as `01.05.2024 12:00:00,250` or `01/05/2024`.
     DayFirst,
+    /// Month, day, year and time, as `05/01/2024 12:00:00.250 PM`.
+    MonthFirst,
 }
 
 /// All units of time, with their names in a manifest and the nanoseconds that each has.
@@ -30,6 +32,7 @@ pub const TIME_UNITS: &[(TimeUnit, &str, i128)] = &[
     (TimeUnit::Minutes, "min", 60_000_000_000),
     (TimeUnit::Iso, "iso", 1),
     (TimeUnit::DayFirst, "dmy", 1),
+    (TimeUnit::MonthFirst, "mdy", 1),
 ];
 
 /// Origin of stamps since an epoch: the whole second of the first one, s. All channels of a recording share it.
@@ -58,7 +61,7 @@ impl TimeUnit {
 
     /// Whether stamps are dates or times of day, and not numbers.
     pub fn is_text(self) -> bool {
-        matches!(self, Self::Iso | Self::DayFirst)
+        matches!(self, Self::Iso | Self::DayFirst | Self::MonthFirst)
     }
 
     /// A stamp after another one, s: a time of day that has fallen by more than half a day is of the next.
@@ -81,7 +84,8 @@ impl TimeUnit {
     pub fn seconds(self, cell: &str, origin: &mut Origin) -> Option<f64> {
         let date = match self {
             Self::Iso => Some(nanoseconds(cell)?),
-            Self::DayFirst => Some(nanoseconds(&year_first(cell)?)?),
+            Self::DayFirst => Some(nanoseconds(&year_first(cell, false)?)?),
+            Self::MonthFirst => Some(nanoseconds(&year_first(cell, true)?)?),
             _ => None,
         };
         if let Some(date) = date {
@@ -143,12 +147,30 @@ fn nanoseconds(cell: &str) -> Option<i128> {
     Some(seconds * GIGA + i128::from(time.nanosecond.unwrap_or(0)))
 }
 
-/// A stamp with a point, two digits of the hour and a colon in the time zone: `9:01:02,5` and `+0200` have none.
+/// A stamp with dashes in its date, a point, two digits of an hour of the day's 24 and a colon in the time zone: in
+/// `2024/5/1 9:01:02,5 PM` and `+0200` they are not there.
 fn plain(cell: &str) -> String {
-    let mut cell = cell.trim().replace(',', ".");
+    let mut cell = cell.trim().replace(',', ".").replace('/', "-");
+    let half = ["AM", "PM"].iter().position(|half| {
+        let at = cell.len().saturating_sub(2);
+        cell.get(at..)
+            .is_some_and(|end| end.eq_ignore_ascii_case(half))
+    });
+    if half.is_some() {
+        cell.truncate(cell.len() - 2);
+        cell.truncate(cell.trim_end().len());
+    }
     let begins = cell.find(['T', ' ']).map_or(0, |at| at + 1);
     if cell[begins..].find(':') == Some(1) {
         cell.insert(begins, '0');
+    }
+    if let Some(half) = half
+        && let Some(hour) = cell.get(begins..begins + 2)
+        && let Ok(hour) = hour.parse::<usize>()
+        && (1..=12).contains(&hour)
+    {
+        let hour = hour % 12 + 12 * half;
+        cell.replace_range(begins..begins + 2, &format!("{hour:02}"));
     }
     let zone = cell[begins..].find(['+', '-']).map(|at| begins + at + 1);
     if let Some(zone) = zone
@@ -160,11 +182,16 @@ fn plain(cell: &str) -> String {
     cell
 }
 
-/// `2024-05-01 12:00:00,250` of `01.05.2024 12:00:00,250`; a year of two digits is of this century.
-fn year_first(cell: &str) -> Option<String> {
+/// `2024-05-01 12:00:00,250` of `01.05.2024 12:00:00,250` or `1/5/24 12:00:00,250`, or with the month first; a year of
+/// two digits is of this century.
+fn year_first(cell: &str, month_first: bool) -> Option<String> {
     let (date, time) = cell.trim().split_once([' ', 'T'])?;
-    let mut parts = date.split('.');
-    let (day, month, year) = (parts.next()?, parts.next()?, parts.next()?);
+    let mut parts = date.split(['.', '/', '-']);
+    let (first, second, year) = (parts.next()?, parts.next()?, parts.next()?);
+    let [day, month] = match month_first {
+        true => [second, first],
+        false => [first, second],
+    };
     let century = if year.len() == 2 { "20" } else { "" };
     Some(format!(
         "{century}{year}-{month:0>2}-{day:0>2} {}",
@@ -224,7 +251,20 @@ mod tests {
             (TimeUnit::DayFirst, "3.5.24 9:01:02", day(32_462.0)),
             (TimeUnit::DayFirst, "03.13.2024 12:01:02", None),
             (TimeUnit::DayFirst, "2024-05-03 12:01:02", None),
+            (TimeUnit::Iso, "2024/05/03 12:01:02.25", day(43_262.25)),
+            (TimeUnit::DayFirst, "03/05/2024 12:01:02", day(43_262.0)),
+            (
+                TimeUnit::MonthFirst,
+                "05/03/2024 12:01:02.25 PM",
+                day(43_262.25),
+            ),
+            (TimeUnit::MonthFirst, "5/3/2024 9:01:02 am", day(32_462.0)),
+            (TimeUnit::MonthFirst, "5-3-24 12:00:00 AM", day(0.0)),
+            (TimeUnit::MonthFirst, "5/3/24 13:00:00 PM", day(46_800.0)),
+            (TimeUnit::MonthFirst, "13/05/2024 12:01:02", None),
             (TimeUnit::Iso, "25:01:02", None),
+            (TimeUnit::Iso, "PM", None),
+            (TimeUnit::Iso, "1:02:\u{20ac}PM", None),
             (TimeUnit::Iso, "", None),
             (TimeUnit::Iso, "+1\u{20ac}", None),
         ] {

@@ -1,17 +1,15 @@
 //! Damped sinusoids, fitted to free decays by maximum likelihood.
 //!
-//! `y(t) = c + sum_m e^(-S_m(t)) (p_m cos W_m(t) + q_m sin W_m(t))`, with `S = s t`, `W = w t` for a linear mode. Where a
-//! mode depends on a power of its amplitude, `W = w t + w_1 (1 - e^(-r s t)) / (r s)`, and `S` alike; under dry friction
-//! `e^(-S) = (1 + k) e^(-s t) - k`, until it rests. Offsets and amplitudes are linear and are solved for (variable projection); frequencies and rates are shared by all decays.
+//! `y(t) = c + sum_m a_m(t) (p_m cos W_m(t) + q_m sin W_m(t))`, with the amplitude `a` and the phase `W` of an
+//! [oscillation](super::oscillation). Offsets and amplitudes `p`, `q` are linear and are solved for (variable
+//! projection); frequencies and rates are shared by all decays.
 //!
 //! Source: G. H. Golub and V. Pereyra, SIAM J. Numerical Analysis 10 (1973).
 
-use super::least_squares::{Minimum, minimise};
+use super::least_squares::{Minimum, Squares, minimise};
+pub use super::oscillation::{Bend, Damped, Law};
 use crate::stop::Stop;
-use nalgebra::{DMatrix, DVector};
-
-/// Steps of the differences for the Jacobian: of logarithms, and of shifts as shares.
-const STEP: f64 = 1e-6;
+use nalgebra::{Complex, DMatrix, DVector, DVectorView};
 
 /// One decay, from its first sample on.
 #[derive(Clone, Debug)]
@@ -20,37 +18,6 @@ pub struct Segment {
     pub period: f64,
     /// One column for each axis.
     pub values: DMatrix<f64>,
-}
-
-/// One mode.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Damped {
-    /// Damped angular frequency, rad/s; at small amplitude.
-    pub frequency: f64,
-    /// Decay rate, 1/s; at small amplitude.
-    pub rate: f64,
-    /// Dependence on the amplitude, where it has one.
-    pub bend: Option<Bend>,
-}
-
-/// Dependence of a mode on its amplitude: relative differences of frequency and rate at the start of a decay.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bend {
-    /// Of the frequency.
-    pub frequency: f64,
-    /// Of the rate.
-    pub rate: f64,
-    /// The law that it follows.
-    pub law: Law,
-}
-
-/// The law of a mode's frequency and rate over the amplitude.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law {
-    /// A power of the amplitude: 1 for clamps and material, 2 for geometry and drag.
-    Power(f64),
-    /// The rate follows one over the amplitude, as under dry friction; the frequency follows the amplitude.
-    Friction,
 }
 
 /// Fitted modes, and their residual.
@@ -91,12 +58,75 @@ fn modes_at(modes: &[Damped], at: &[f64]) -> Vec<Damped> {
     modes.iter().map(one).collect()
 }
 
+/// Decays, and modes of the form that is fitted to them.
+struct Decays<'a> {
+    segments: &'a [Segment],
+    form: &'a [Damped],
+}
+
+impl Squares for Decays<'_> {
+    fn residual(&self, at: &[f64]) -> Option<DVector<f64>> {
+        residual(self.segments, &modes_at(self.form, at))
+    }
+
+    /// Kaufman's: of the derivative `D` of the modes at fixed amplitudes, what the basis `B` cannot make, so that
+    /// `J^T J = D^T D - D^T B (B^T B)^-1 B^T D`. With `r` orthogonal to `B`, `J^T r = -D^T r`.
+    /// Source: L. Kaufman, BIT 15 (1975).
+    fn normal(&self, at: &[f64], residual: &DVector<f64>) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        let modes = modes_at(self.form, at);
+        let mut normal = DMatrix::zeros(at.len(), at.len());
+        let mut gradient = DVector::zeros(at.len());
+        let mut from = 0;
+        for segment in self.segments {
+            let basis = basis(segment, &modes)?;
+            let factor = regular(&basis).cholesky()?;
+            let amplitudes = factor.solve(&basis.tr_mul(&segment.values));
+            for axis in 0..segment.values.ncols() {
+                let rows = segment.values.nrows();
+                let along = derivatives(segment, &modes, (&basis, &amplitudes.column(axis)));
+                let made = basis.tr_mul(&along);
+                normal += along.tr_mul(&along) - made.tr_mul(&factor.solve(&made));
+                gradient -= along.tr_mul(&residual.rows(from, rows));
+                from += rows;
+            }
+        }
+        Some((normal, gradient))
+    }
+}
+
+/// Derivatives of the modes in a basis at these amplitudes, one column for each unknown.
+fn derivatives(
+    segment: &Segment,
+    modes: &[Damped],
+    (basis, amplitudes): (&DMatrix<f64>, &DVectorView<f64>),
+) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(basis.nrows(), unknowns(modes).len());
+    let mut column = 0;
+    for (k, mode) in modes.iter().enumerate() {
+        let (straight, turned) = (1 + 2 * k, 2 + 2 * k);
+        // The real part of it, times the mode, is what the mode makes at these amplitudes.
+        let amplitude = Complex::new(amplitudes[straight], -amplitudes[turned]);
+        let count = unknowns(std::slice::from_ref(mode)).len();
+        for sample in 0..basis.nrows() {
+            let mode_then = Complex::new(basis[(sample, straight)], basis[(sample, turned)]);
+            let made = amplitude * mode_then;
+            let slopes = mode.slopes(sample as f64 * segment.period);
+            for (by, slope) in slopes.iter().take(count).enumerate() {
+                all[(sample, column + by)] = made.re * slope.re - made.im * slope.im;
+            }
+        }
+        column += count;
+    }
+    all
+}
+
 /// Fits the modes from a start.
 pub fn fit(segments: &[Segment], start: &[Damped], stop: Stop) -> Option<Fit> {
-    let at = unknowns(start);
-    let steps = vec![STEP; at.len()];
-    let residual = |at: &[f64]| residual(segments, &modes_at(start, at));
-    let minimum = minimise(residual, &at, &steps, stop)?;
+    let decays = Decays {
+        segments,
+        form: start,
+    };
+    let minimum = minimise(&decays, &unknowns(start), stop)?;
     Some(Fit {
         modes: modes_at(start, &minimum.at),
         minimum,
@@ -140,40 +170,26 @@ fn basis(segment: &Segment, modes: &[Damped]) -> Option<DMatrix<f64>> {
         if !(mode.frequency < nyquist && mode.rate < mode.frequency && mode.rate > 0.0) {
             return None;
         }
-        for sample in 0..samples {
-            let time = sample as f64 * segment.period;
-            let (mut phase, mut decay) = (mode.frequency * time, mode.rate * time);
-            if let Some(bend) = mode.bend {
-                let power = match bend.law {
-                    Law::Power(power) => power,
-                    Law::Friction => 1.0,
-                };
-                let speed = power * mode.rate;
-                let away = -(-speed * time).exp_m1() / speed;
-                phase += bend.frequency * mode.frequency * away;
-                decay = match bend.law {
-                    Law::Power(_) => decay + bend.rate * mode.rate * away,
-                    Law::Friction => -((1.0 + bend.rate) * (-decay).exp() - bend.rate)
-                        .max(0.0)
-                        .ln(),
-                };
-            }
-            let (sine, cosine) = phase.sin_cos();
-            let amplitude = (-decay).exp();
-            basis[(sample, 1 + 2 * k)] = amplitude * cosine;
-            basis[(sample, 2 + 2 * k)] = amplitude * sine;
+        for (sample, turn) in mode.over(segment.period).take(samples).enumerate() {
+            basis[(sample, 1 + 2 * k)] = turn.re;
+            basis[(sample, 2 + 2 * k)] = turn.im;
         }
     }
     Some(basis)
 }
 
-/// The linear coefficients, one column for each axis.
-fn project(basis: &DMatrix<f64>, values: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+/// The normal equations of the linear coefficients.
+fn regular(basis: &DMatrix<f64>) -> DMatrix<f64> {
     let mut normal = basis.tr_mul(basis);
     // Regularisation at the level of rounding: nearly equal columns must not stop the descent.
     let small = 1e-13 * normal.trace();
     for k in 0..normal.nrows() {
         normal[(k, k)] += small;
     }
-    Some(normal.cholesky()?.solve(&basis.tr_mul(values)))
+    normal
+}
+
+/// The linear coefficients, one column for each axis.
+fn project(basis: &DMatrix<f64>, values: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    Some(regular(basis).cholesky()?.solve(&basis.tr_mul(values)))
 }

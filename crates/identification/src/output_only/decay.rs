@@ -17,9 +17,12 @@ const LAWS: [Law; 3] = [Law::Power(1.0), Law::Power(2.0), Law::Friction];
 const STRONG: f64 = 10.0;
 /// Least share of the variance that modes explain in a free decay, as opposed to a machine at work.
 const EXPLAINED: f64 = 0.8;
-/// Number of samples of a decay above which neighbours are averaged; the poles do not change.
+/// Number of samples of the longest decay above which neighbours are averaged, in all decays alike; the poles do not
+/// change.
 const MOST: usize = 30_000;
-/// The same for the test whether a stretch is a decay.
+/// Most samples of all decays together, the strongest first; it is as many as one may have.
+const MOST_OF_ALL: usize = 2 * MOST;
+/// Number of samples above which neighbours are averaged for the test whether a stretch is a decay.
 const LOOKED_AT: usize = 3000;
 /// Number of places in a stretch at which its free decay may begin.
 const BEGINS: usize = 6;
@@ -29,10 +32,17 @@ pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]], stop: Stop) -> Opt
     let free = stretches.iter().map(|s| vibration.unclipped(*s));
     let long = free.filter(|[from, until]| *until >= from + FEWEST);
     let begun = long.filter_map(|s| begun(vibration, s, stop));
-    let stretches: Vec<[usize; 2]> = begun.collect();
+    let mut stretches: Vec<[usize; 2]> = begun.collect();
+    let average = averaged(stretches.iter().map(samples).max()?, MOST);
+    stretches.retain(|stretch| samples(stretch) >= FEWEST * average);
+    let mut all = 0;
+    stretches.retain(|stretch| {
+        all += samples(stretch) / average;
+        all <= MOST_OF_ALL
+    });
     let segments: Vec<Segment> = stretches
         .iter()
-        .map(|s| segment(vibration, *s, MOST))
+        .map(|s| segment(vibration, *s, average))
         .collect();
     let total: f64 = residual(&segments, &[])?.norm_squared();
     let models = grow(&segments, stop)?;
@@ -188,7 +198,8 @@ fn begun(vibration: &Vibration, [from, until]: [usize; 2], stop: Stop) -> Option
         .map(|k| from + k * (until - from) / 20)
         .collect();
     let left = |place: &usize| {
-        let segment = [segment(vibration, [*place, until], LOOKED_AT)];
+        let average = averaged(until - place, LOOKED_AT);
+        let segment = [segment(vibration, [*place, until], average)];
         let Some(all) = residual(&segment, &[]) else {
             return 1.0;
         };
@@ -205,10 +216,18 @@ fn begun(vibration: &Vibration, [from, until]: [usize; 2], stop: Stop) -> Option
     (least < 1.0 - EXPLAINED).then_some([place, until])
 }
 
-/// The samples of a stretch, about their mean.
-fn segment(vibration: &Vibration, [from, until]: [usize; 2], most: usize) -> Segment {
+fn samples([from, until]: &[usize; 2]) -> usize {
+    until - from
+}
+
+/// Number of neighbours that are averaged, of so many samples.
+fn averaged(samples: usize, most: usize) -> usize {
+    (samples / most).max(1)
+}
+
+/// The samples of a stretch, about their mean, each the average of so many.
+fn segment(vibration: &Vibration, [from, until]: [usize; 2], average: usize) -> Segment {
     let until = until.min(vibration.axes[0].len());
-    let average = ((until - from) / most).max(1);
     let rows = (until - from) / average;
     let mut values = DMatrix::zeros(rows, vibration.axes.len());
     for (column, axis) in vibration.axes.iter().enumerate() {

@@ -38,10 +38,13 @@ const STANDS_OUT: f64 = 30.0;
 pub fn lengths(vibration: &Vibration) -> Vec<usize> {
     let samples = vibration.axes[0].len();
     let shortest = (samples / PARTS).max(FEWEST);
-    let first = shortest.max(cycles(vibration)).min(samples / 4);
+    let [first, strong] = cycles(vibration).map(|length| shortest.max(length).min(samples / 4));
     let moves = [Role::LinkPosition, Role::TipPosition, Role::LinkVelocity];
     if !moves.contains(&vibration.role) {
-        return vec![first];
+        return match strong == first {
+            true => vec![first],
+            false => vec![first, strong],
+        };
     }
     std::iter::successors(Some(first), |length| Some(length / 2))
         .take_while(|length| *length >= shortest.min(first))
@@ -127,9 +130,10 @@ fn onset(vibration: &Vibration, [from, until]: [usize; 2]) -> usize {
     (from..until).find(is_strong).unwrap_or(from)
 }
 
-/// Number of samples of one and a half periods of the most prominent line. A shorter part would have an energy
-/// that depends on its phase.
-fn cycles(vibration: &Vibration) -> usize {
+/// Number of samples of one and a half periods of the most prominent line, and of the one with the most energy. A
+/// shorter part would have an energy that depends on its phase. Taps at even intervals make prominent lines of their
+/// own, far below the mode's.
+fn cycles(vibration: &Vibration) -> [usize; 2] {
     let samples = vibration.axes[0].len();
     let seconds = samples as f64 / vibration.rate;
     let band = [2.0 / seconds, 0.45 * vibration.rate];
@@ -142,9 +146,13 @@ fn cycles(vibration: &Vibration) -> usize {
         let median = *around.select_nth_unstable_by(middle, f64::total_cmp).1;
         density.power[k] / median.max(f64::MIN_POSITIVE)
     };
-    let most = (0..count).max_by(|a, b| prominence(*a).total_cmp(&prominence(*b)));
-    let frequency = most.map_or(vibration.rate, |k| density.frequency[k]);
-    (1.5 * vibration.rate / frequency) as usize
+    let energy = |k: usize| density.power[k] * density.frequency[k];
+    let most = |of: &dyn Fn(usize) -> f64| {
+        let most = (0..count).max_by(|a, b| of(*a).total_cmp(&of(*b)));
+        let frequency = most.map_or(vibration.rate, |k| density.frequency[k]);
+        (1.5 * vibration.rate / frequency) as usize
+    };
+    [most(&prominence), most(&energy)]
 }
 
 /// Mean energy of some samples about their linear trend, summed over the axes.

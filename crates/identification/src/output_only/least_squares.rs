@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 const ITERATIONS: usize = 60;
 /// Relative decrease of the cost at convergence: for 1e5 samples a hundredth of one chi-squared.
 const ENDED: f64 = 1e-7;
-/// Relative rounding of scaled normal equations with a Jacobian by differences.
+/// Relative rounding of scaled normal equations, whose parts may cancel.
 const ROUNDING: f64 = 1e-10;
 
 /// A minimum.
@@ -23,25 +23,28 @@ pub struct Minimum {
     pub inverse: Option<DMatrix<f64>>,
 }
 
-/// Descends from a start. The Jacobian is by differences of `steps`; none where a residual is not finite at the start, or
-/// it is stopped.
-pub fn minimise(
-    residual: impl Fn(&[f64]) -> Option<DVector<f64>>,
-    start: &[f64],
-    steps: &[f64],
-    stop: Stop,
-) -> Option<Minimum> {
+/// A sum of squares to be minimised.
+pub trait Squares {
+    /// The residuals; none where the unknowns mean nothing.
+    fn residual(&self, at: &[f64]) -> Option<DVector<f64>>;
+
+    /// `J^T J` and `J^T r` of the Jacobian there and these residuals.
+    fn normal(&self, at: &[f64], residual: &DVector<f64>) -> Option<(DMatrix<f64>, DVector<f64>)>;
+}
+
+/// Descends from a start; none where a residual is not finite at the start, or it is stopped.
+pub fn minimise(problem: &impl Squares, start: &[f64], stop: Stop) -> Option<Minimum> {
     let mut at = start.to_vec();
-    let mut now = residual(&at)?;
+    let mut now = problem.residual(&at)?;
     let mut cost = now.norm_squared();
     let mut damping = 1e-3;
     for _ in 0..ITERATIONS {
-        if stop() {
-            return None;
-        }
-        let (normal, gradient) = normal(&residual, &at, steps, &now)?;
+        let (normal, gradient) = problem.normal(&at, &now)?;
         let mut better = None;
         while damping < 1e12 {
+            if stop() {
+                return None;
+            }
             let mut damped = normal.clone();
             for k in 0..at.len() {
                 damped[(k, k)] += damping * normal[(k, k)].max(f64::MIN_POSITIVE);
@@ -53,7 +56,7 @@ pub fn minimise(
                     .map(|(x, s)| x - s)
                     .collect::<Vec<_>>()
             });
-            let found = next.and_then(|next| residual(&next).map(|r| (next, r)));
+            let found = next.and_then(|next| problem.residual(&next).map(|r| (next, r)));
             match found.filter(|(_, r)| r.norm_squared() < cost) {
                 Some(found) => {
                     better = Some(found);
@@ -73,7 +76,7 @@ pub fn minimise(
             break;
         }
     }
-    let inverse = inverse(&normal(&residual, &at, steps, &now)?.0);
+    let inverse = inverse(&problem.normal(&at, &now)?.0);
     Some(Minimum {
         at,
         cost,
@@ -97,27 +100,4 @@ fn inverse(normal: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     Some(DMatrix::from_fn(count, count, |a, b| {
         inverse[(a, b)] / (scale[a] * scale[b])
     }))
-}
-
-/// `J^T J` and `J^T r`.
-fn normal(
-    residual: &impl Fn(&[f64]) -> Option<DVector<f64>>,
-    at: &[f64],
-    steps: &[f64],
-    now: &DVector<f64>,
-) -> Option<(DMatrix<f64>, DVector<f64>)> {
-    let mut jacobian = DMatrix::zeros(now.len(), at.len());
-    for (k, step) in steps.iter().enumerate() {
-        let mut beside = at.to_vec();
-        beside[k] += step;
-        let column = match residual(&beside) {
-            Some(there) => (there - now) / *step,
-            None => {
-                beside[k] = at[k] - step;
-                (now - residual(&beside)?) / *step
-            }
-        };
-        jacobian.set_column(k, &column);
-    }
-    Some((jacobian.tr_mul(&jacobian), jacobian.tr_mul(now)))
 }

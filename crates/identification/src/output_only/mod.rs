@@ -12,7 +12,9 @@ mod distortion;
 mod even;
 mod events;
 mod least_squares;
+mod oscillation;
 mod resonances;
+mod response;
 mod told;
 
 pub use density::{Density, density};

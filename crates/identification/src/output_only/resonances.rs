@@ -11,10 +11,11 @@
 
 use super::super::stop::Stop;
 use super::density::{Density, density};
-use super::least_squares::{Minimum, minimise};
+use super::least_squares::{Minimum, Squares, minimise};
+use super::response::{DRIFT, EACH, POWERS, Resonance, Response, SHARED};
 use super::{Excitation, FoundMode, OutputOnly, Vibration};
 use crate::IdentificationError;
-use nalgebra::{Complex, DVector};
+use nalgebra::{DMatrix, DVector};
 use quell_shapers::{Mode, UncertainMode};
 use quell_signal::SignalError;
 
@@ -26,22 +27,16 @@ const MOST: usize = 6;
 const STARTS: [f64; 3] = [0.01, 0.03, 0.1];
 /// Starting values of a sweep's power: a constant acceleration, and one that grows with frequency.
 const EXCITATIONS: [f64; 2] = [0.0, 2.0];
-/// Range of the power: from a little less than a constant acceleration to a constant displacement. Four less
-/// gives the same spectrum with other amplitudes: a force that drives a mass instead of a moving base.
-const POWERS: [f64; 2] = [-1.0, 4.0];
 /// Bayesian evidence that is very strong (Kass and Raftery 1995).
 const STRONG: f64 = 10.0;
-/// Number of unknowns besides the modes (direct term, noise, power of the frequency), and of a mode.
-const SHARED: usize = 3;
-const EACH: usize = 4;
 /// Factors on the sweep's ends that exclude the edges, where its spectrum falls.
 const ENDS: [f64; 2] = [1.05, 0.96];
 /// Least number of cycles in the record, and largest share of the rate, for modes of a machine at work.
 const LOWEST: f64 = 8.0;
 const HIGHEST: f64 = 0.4;
-/// Largest damping ratio of a mode: above it a response has no peak. And the smallest reported share of the
-/// strongest mode.
-const DRIFT: f64 = 0.7;
+/// Misfit of a band below which rounding of its deviance would show.
+const AGREES: f64 = 1e-5;
+/// The smallest reported share of the strongest mode.
 const LEAST: f64 = 0.02;
 
 /// The modes along the direction of most motion; none where none is significant.
@@ -116,77 +111,17 @@ impl<'a> Problem<'a> {
         (first * last).sqrt()
     }
 
-    /// The density of the model at each band: unknowns are direct term, logarithm of the noise, power of the frequency, and
-    /// of each mode the logarithm of the frequency, the logit of the damping ratio over 0.7, and two amplitudes.
+    /// The density of the model at each band.
     fn model(&self, at: &[f64]) -> Vec<f64> {
-        let modes: Vec<[f64; 4]> = at[SHARED..]
-            .chunks_exact(EACH)
-            .map(|mode| self.mode(mode))
-            .collect();
-        let power = match self.is_sweep {
-            true => at[2].clamp(POWERS[0], POWERS[1]),
-            false => 0.0,
-        };
-        let noise = at[1].exp();
-        let of = |(frequency, logarithm): (&f64, &f64)| {
-            let mut response = Complex::new(at[0], 0.0);
-            for [own, ratio, straight, turned] in &modes {
-                let r = frequency / own;
-                let below = Complex::new(1.0 - r * r, 2.0 * ratio * r);
-                response += Complex::new(*straight, r * turned) / below;
-            }
-            let excited = if power == 0.0 {
-                1.0
-            } else {
-                (power * logarithm).exp()
-            };
-            excited * response.norm_sqr() + noise
-        };
+        let response = Response::at(at, self.is_sweep);
         let bands = self.density.frequency.iter().zip(&self.logarithms);
-        bands.map(of).collect()
-    }
-
-    /// Frequency, Hz, damping ratio and amplitudes of a mode from its unknowns.
-    fn mode(&self, unknowns: &[f64]) -> [f64; 4] {
-        let (frequency, ratio) = (unknowns[0].exp(), DRIFT / (1.0 + (-unknowns[1]).exp()));
-        let turned = match self.is_sweep {
-            true => 2.0 * ratio * unknowns[2],
-            false => unknowns[3],
-        };
-        [frequency, ratio, unknowns[2], turned]
-    }
-
-    /// Deviances of the bands, each with the sign of its misfit.
-    fn residual(&self, at: &[f64]) -> Option<DVector<f64>> {
-        let Density { power, lines, .. } = self.density;
-        let model = self.model(at);
-        let band = |k: usize| {
-            let ratio = power[k] / model[k];
-            // Rounding may make it negative where both agree; NaN stays NaN.
-            let deviance = ratio - 1.0 - ratio.ln();
-            let deviance = if deviance < 0.0 { 0.0 } else { deviance };
-            (2.0 * lines[k] * deviance).sqrt().copysign(ratio - 1.0)
-        };
-        let residual = DVector::from_iterator(power.len(), (0..power.len()).map(band));
-        residual.iter().all(|r| r.is_finite()).then_some(residual)
+        bands
+            .map(|(frequency, logarithm)| response.density(*frequency, *logarithm))
+            .collect()
     }
 
     fn fit(&self, start: &[f64]) -> Option<Minimum> {
-        let size = self
-            .density
-            .power
-            .iter()
-            .copied()
-            .fold(0.0, f64::max)
-            .sqrt();
-        let step = |k: usize| match k {
-            0 => 1e-6 * size,
-            1 | 2 => 1e-6,
-            k if (k - SHARED) % EACH < 2 => 1e-6,
-            _ => 1e-7 * size,
-        };
-        let steps: Vec<f64> = (0..start.len()).map(step).collect();
-        minimise(|at| self.residual(at), start, &steps, self.stop)
+        minimise(self, start, self.stop)
     }
 
     /// Models of no mode, of one, of two, with the excitation's power that gives the best end.
@@ -278,12 +213,14 @@ impl<'a> Problem<'a> {
     /// Whether no two modes are nearer than half the half-power width of the sharper one. Such a pair is one
     /// mode, split into parts that cancel each other.
     fn are_distinct(&self, at: &[f64]) -> bool {
-        let modes: Vec<[f64; 4]> = at[SHARED..]
+        let modes: Vec<Resonance> = at[SHARED..]
             .chunks_exact(EACH)
-            .map(|mode| self.mode(mode))
+            .map(|mode| Resonance::at(mode, self.is_sweep))
             .collect();
-        let width = |mode: &[f64; 4]| mode[0] * mode[1];
-        let apart = |a: &[f64; 4], b: &[f64; 4]| (a[0] - b[0]).abs() > 0.5 * width(a).min(width(b));
+        let width = |mode: &Resonance| mode.frequency * mode.ratio;
+        let apart = |a: &Resonance, b: &Resonance| {
+            (a.frequency - b.frequency).abs() > 0.5 * width(a).min(width(b))
+        };
         (0..modes.len()).all(|k| modes[..k].iter().all(|other| apart(&modes[k], other)))
     }
 
@@ -388,7 +325,11 @@ impl<'a> Problem<'a> {
         };
         let mut modes = Vec::new();
         for (k, mode) in best.at[SHARED..].chunks_exact(EACH).enumerate() {
-            let [frequency, ratio, straight, turned] = self.mode(mode);
+            let Resonance {
+                frequency,
+                ratio,
+                amplitudes: [straight, turned],
+            } = Resonance::at(mode, self.is_sweep);
             let place = SHARED + EACH * k;
             let narrow = 2.0 * ratio * frequency
                 < (1.5 * self.density.resolution).max(0.5 * WIDTH * frequency);
@@ -429,4 +370,56 @@ impl<'a> Problem<'a> {
         modes.sort_by(|a, b| b.share.total_cmp(&a.share));
         modes
     }
+}
+
+impl Squares for Problem<'_> {
+    /// Deviances of the bands, each with the sign of its misfit.
+    fn residual(&self, at: &[f64]) -> Option<DVector<f64>> {
+        let Density { power, lines, .. } = self.density;
+        let model = self.model(at);
+        let band = |k: usize| {
+            let ratio = power[k] / model[k];
+            (2.0 * lines[k] * deviance(ratio))
+                .sqrt()
+                .copysign(ratio - 1.0)
+        };
+        let residual = DVector::from_iterator(power.len(), (0..power.len()).map(band));
+        residual.iter().all(|r| r.is_finite()).then_some(residual)
+    }
+
+    /// Of the residual `z = +-sqrt(2 M D)` with the deviance `D = q - 1 - ln q`, `q = power / S`:
+    /// `dz / dS = -(q - 1) M / (z S)`.
+    fn normal(&self, at: &[f64], residual: &DVector<f64>) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        let Density {
+            frequency,
+            power,
+            lines,
+            ..
+        } = self.density;
+        let response = Response::at(at, self.is_sweep);
+        // A column for each band.
+        let mut turned = DMatrix::zeros(at.len(), power.len());
+        for (k, mut slopes) in turned.column_iter_mut().enumerate() {
+            let model = response.density(frequency[k], self.logarithms[k]);
+            response.slopes(frequency[k], self.logarithms[k], slopes.as_mut_slice());
+            let above = power[k] / model - 1.0;
+            // Where both agree, `z = (q - 1) sqrt(M)`.
+            let over = match above.abs() < AGREES {
+                true => lines[k].sqrt(),
+                false => above * lines[k] / residual[k],
+            };
+            slopes *= -over / model;
+        }
+        let normal = &turned * turned.transpose();
+        let gradient = turned * residual;
+        let is_finite = normal.iter().chain(&gradient).all(|one| one.is_finite());
+        is_finite.then_some((normal, gradient))
+    }
+}
+
+/// The deviance of a gamma density whose mean is off by a ratio.
+fn deviance(ratio: f64) -> f64 {
+    let deviance = ratio - 1.0 - ratio.ln();
+    // Rounding may make it negative where both agree; NaN stays NaN.
+    if deviance < 0.0 { 0.0 } else { deviance }
 }

@@ -41,11 +41,7 @@ pub fn of(content: &Content) -> Clock {
     let named = columns
         .iter()
         .position(|column| column.name.is_time() && is_clock(column));
-    let dated = || {
-        columns
-            .iter()
-            .position(|column| date(&column.first).is_some())
-    };
+    let dated = || columns.iter().position(|column| date(column).is_some());
     let unnamed = || {
         let first = columns.first()?;
         let is_other = first.name.is_count() || first.name.role().is_some();
@@ -72,19 +68,27 @@ pub fn of(content: &Content) -> Clock {
 }
 
 fn is_clock(column: &Column) -> bool {
-    column.is_numeric() || date(&column.first).is_some()
+    column.is_numeric() || date(column).is_some()
 }
 
-/// The unit of a cell that is a date or a time of day.
-fn date(cell: &str) -> Option<TimeUnit> {
-    let mut units = TIME_UNITS.iter().map(|line| line.0);
-    let is_one = |unit: &TimeUnit| unit.is_text() && unit.seconds(cell, &mut Some(0)).is_some();
-    units.find(is_one).filter(|_| cell.contains(':'))
+/// The unit of a column whose first cell is a date or a time of day: that in which most of its cells are one, since
+/// `01/05` may begin with the day or with the month.
+fn date(column: &Column) -> Option<TimeUnit> {
+    let is_one = |unit: TimeUnit, cell: &str| unit.seconds(cell, &mut Some(0)).is_some();
+    let first = column.first.as_str();
+    let units = TIME_UNITS.iter().map(|line| line.0);
+    let able = units.filter(|unit| unit.is_text() && first.contains(':') && is_one(*unit, first));
+    let read = |unit: &TimeUnit| {
+        let cells = column.distinct.iter();
+        cells.filter(|cell| is_one(*unit, cell)).count()
+    };
+    // The first of equals is taken.
+    able.rev().max_by_key(read)
 }
 
 /// The unit of a column of stamps, and its uncertainty.
 fn unit(column: &Column) -> (Guess<TimeUnit>, Option<String>) {
-    if let Some(unit) = date(&column.first).filter(|_| column.texts > 0) {
+    if let Some(unit) = date(column).filter(|_| column.texts > 0) {
         return (Guess::known(unit), None);
     }
     let words = column

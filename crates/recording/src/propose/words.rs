@@ -181,6 +181,43 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
     ),
 ];
 
+/// Words that tell two signals of one joint apart: how they were made, or which of its sensors they are of.
+pub const BESIDE: &[&str] = &[
+    "raw",
+    "filtered",
+    "unfiltered",
+    "filt",
+    "smoothed",
+    "measured",
+    "meas",
+    "estimated",
+    "est",
+    "observed",
+    "simulated",
+    "sim",
+    "model",
+    "predicted",
+    "error",
+    "err",
+    "mean",
+    "std",
+    "min",
+    "max",
+    "absolute",
+    "abs",
+    "relative",
+    "rel",
+    "incremental",
+    "input",
+    "output",
+    "inner",
+    "outer",
+    "primary",
+    "secondary",
+    "low",
+    "high",
+];
+
 /// Words for time.
 pub const TIME: &[&str] = &[
     "time",
