@@ -21,8 +21,8 @@ __all__ = ["Simulated", "simulate"]
 
 Array = NDArray[np.float64]
 Input = Literal["command", "motor"]
-# Inertia, over the greatest of the model, of a joint that follows its recorded motion whatever pulls at it. Much more, and
-# the solver of constraints no longer sees friction beside it.
+# Inertia, over the greatest of the model, of a joint that follows its recorded motion whatever pulls at it: what pulls, a
+# servo without a command among it, is a thousand times what moves it.
 HEAVY = 1e6
 
 
@@ -149,6 +149,9 @@ class _Run:
         heavy = HEAVY * max(float(np.max(self.model.dof_M0)), 1.0)
         for own, _ in followers:
             self.model.dof_armature[own.dof] = heavy
+        # The solver of constraints ends where its cost falls by less than this, and heavy joints make all costs great: it
+        # would end before it sees friction, or the soft end of a play.
+        self.model.opt.tolerance = 0.0
         return followers
 
     def result(self) -> dict[str, Simulated]:

@@ -48,12 +48,8 @@ pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]], stop: Stop) -> Opt
     let models = grow(&segments, stop)?;
     let count: usize = segments.iter().map(|segment| segment.values.len()).sum();
     let axes: usize = segments.iter().map(|segment| segment.values.ncols()).sum();
-    let last = models.last()?;
-    let independent = independent(&last.minimum.residual, count);
-    let score = |model: &Fit| {
-        independent * model.minimum.cost.ln() + unknowns(model, axes) * independent.ln()
-    };
-    let best = models.iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;
+    let (best, independent) = best(&models, axes)?;
+    let best = &models[best];
     let explained = 1.0 - best.minimum.cost / total;
     let found = independent * (total / best.minimum.cost).ln();
     let needed = unknowns(best, axes) * independent.ln() + STRONG;
@@ -80,8 +76,21 @@ fn unknowns(model: &Fit, axes: usize) -> f64 {
     model.modes.iter().map(of).sum::<usize>() as f64
 }
 
+/// The place of the model with the best Bayesian criterion, and the number of independent samples of what the last
+/// one leaves.
+fn best(models: &[Fit], axes: usize) -> Option<(usize, f64)> {
+    let left = &models.last()?.minimum.residual;
+    let independent = independent(left, left.len());
+    let score = |model: &Fit| {
+        independent * model.minimum.cost.ln() + unknowns(model, axes) * independent.ln()
+    };
+    let scores = models.iter().map(score).enumerate();
+    let best = scores.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some((best.0, independent))
+}
+
 /// Models, each with one more feature than the one before: a mode, or a dependence on amplitude. The feature
-/// with the larger fall of the cost per unknown is taken.
+/// with the larger fall of the cost per unknown is taken. It ends where two in a row have not raised the evidence.
 fn grow(segments: &[Segment], stop: Stop) -> Option<Vec<Fit>> {
     let axes: usize = segments.iter().map(|segment| segment.values.ncols()).sum();
     let mut models: Vec<Fit> = Vec::new();
@@ -104,6 +113,9 @@ fn grow(segments: &[Segment], stop: Stop) -> Option<Vec<Fit>> {
         }
         // Only rounding is left.
         if models.last()?.minimum.cost < 1e-20 * left.norm_squared() {
+            break;
+        }
+        if models.len() >= best(&models, axes)?.0 + 3 {
             break;
         }
     }

@@ -218,7 +218,7 @@ fn channel(file: &Read, channel: &Channel) -> String {
     let mut text = String::from("\n[[channel]]\n");
     text += &key("role", &quoted(channel.role.value.name()), &channel.role);
     if let Some(joint) = &channel.joint {
-        let _ = writeln!(text, "joint = {}  # the number in its name", quoted(joint));
+        let _ = writeln!(text, "joint = {}  # in its name", quoted(joint));
     }
     let _ = writeln!(text, "file = {}", quoted(&name(file.content)));
     match &file.clock {
