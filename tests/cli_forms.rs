@@ -118,6 +118,25 @@ fn forms() -> Vec<(&'static str, String, Vec<&'static str>, bool)> {
             true,
         ),
         (
+            "slashes.csv",
+            "time,accel_x_g\n".to_owned()
+                + &rows(|k| format!("2024/05/03 12:01:{:06.3},{:.5}\n", ms(k), decay(ms(k)))),
+            vec!["time_unit = \"iso\""],
+            true,
+        ),
+        (
+            "american.csv",
+            // The first day fits both orders, the next one only that with the month first.
+            "time,accel_x_g\n".to_owned()
+                + &rows(|k| {
+                    let (day, half) = (if k < 2000 { "12" } else { "13" }, if k < 2000 { "PM" } else { "AM" });
+                    let (clock, second) = (if k < 2000 { "11:59" } else { "12:00" }, (k + 58_000) % 60_000);
+                    format!("05/{day}/2024 {clock}:{:06.3} {half},{:.5}\n", ms(second), decay(ms(k)))
+                }),
+            vec!["time_unit = \"mdy\""],
+            true,
+        ),
+        (
             "commented.csv",
             "# machine 4\n# time_s, tipAccel_g\n".to_owned()
                 + &rows(|k| {
@@ -435,9 +454,9 @@ fn proposed(header: &str, columns: usize) -> Vec<String> {
         .collect()
 }
 
-/// Columns whose names differ in a number are joints, where what moves has such names.
+/// Columns whose names differ in a number, or in words, are joints, where what moves has such names.
 #[test]
-fn numbers_in_names_are_joints() {
+fn numbers_and_words_in_names_are_joints() {
     let joint = |block: &String| {
         let line = block.lines().find(|line| line.starts_with("joint = "));
         line.and_then(|line| line.split('"').nth(1))
@@ -474,6 +493,21 @@ fn numbers_in_names_are_joints() {
                 "command_position",
             ],
         ),
+        (
+            "shoulder_position_rad,elbow_position_rad,shoulder_torque_Nm,elbow_torque_Nm",
+            ["shoulder", "elbow", "shoulder", "elbow"],
+            ["motor_position", "motor_position", "torque", "torque"],
+        ),
+        (
+            "observation.state.shoulder_pan.pos,observation.state.wrist_roll.pos,action.shoulder_pan.pos,action.wrist_roll.pos",
+            ["shoulder_pan", "wrist_roll", "shoulder_pan", "wrist_roll"],
+            [
+                "motor_position",
+                "motor_position",
+                "command_position",
+                "command_position",
+            ],
+        ),
     ] {
         let blocks = proposed(header, 4);
         let told: Vec<_> = blocks.iter().map(joint).collect();
@@ -487,6 +521,9 @@ fn numbers_in_names_are_joints() {
     for header in [
         "motor_position_1,torque_1",
         "motor_position,accel_1,accel_2",
+        "position_deg,position_error_deg,target_position_deg",
+        "raw_position_deg,filtered_position_deg,motor_current_A",
+        "motor_position_rad,load_position_rad,torque_Nm",
     ] {
         let blocks = proposed(header, header.split(',').count());
         assert!(

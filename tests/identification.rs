@@ -9,13 +9,16 @@ use generator::{Truth, add_noise, jerk_limited_move, respond, stamps};
 mod shared;
 
 use quell::estimators::{ESTIMATORS, Sample};
-use quell::identification::output_only::{Vibration, output_only_until};
+use quell::identification::output_only::{Excitation, Vibration, output_only, output_only_until};
 use quell::identification::{
     Identification, IdentificationError, NominalModel, Prior, identify, identify_until, prepare,
 };
 use quell::recording::Recording;
 use quell::signal::TipRegistration;
 use quell_shapers::Mode;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
 use shared::shared;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -402,6 +405,50 @@ fn an_identification_ends_as_soon_as_it_is_told() {
     };
     let stopped = output_only_until(&vibration, &|| true);
     assert!(matches!(stopped, Err(IdentificationError::Stopped)));
+}
+
+/// Taps at even intervals make lines of their own far below the modes, and the last decay is cut short.
+#[test]
+fn decays_at_even_intervals_are_decays_of_the_modes() {
+    let (rate, taps) = (10_000.0, 10);
+    let ring = |time: f64, hertz: f64, xi: f64| {
+        let w = std::f64::consts::TAU * hertz;
+        (-xi * w * time).exp() * (w * (1.0 - xi * xi).sqrt() * time).sin()
+    };
+    let samples: usize = 950_000;
+    let clean = (0..samples).map(|k| {
+        let since = (0..taps).map(|tap| k as f64 / rate - 1.0 - 10.0 * f64::from(tap));
+        let heard = since.filter(|time| *time >= 0.0);
+        heard
+            .map(|t| 20.0 * ring(t, 8.3, 0.01) + 10.0 * ring(t, 51.0, 0.02))
+            .sum()
+    });
+    let (mut random, normal) = (
+        ChaCha8Rng::seed_from_u64(9),
+        Normal::new(0.0, 0.05).expect("a deviation"),
+    );
+    let noisy = |own: f64| own + normal.sample(&mut random);
+    let axis: Vec<f64> = clean.map(noisy).collect();
+    let vibration = Vibration {
+        role: quell::recording::Role::TipAcceleration,
+        unit: "m/s^2".into(),
+        start: 0.0,
+        rate,
+        axes: vec![axis],
+        used: 1.0,
+        clipped: Vec::new(),
+    };
+    let found = output_only(&vibration).expect("modes");
+    assert_eq!(found.excitation, Excitation::Decay);
+    let modes = found.modes.iter().map(|mode| mode.known.mode);
+    let told: Vec<[f64; 2]> = modes
+        .map(|mode| [mode.hertz(), mode.damping_ratio()])
+        .collect();
+    assert_eq!(told.len(), 2, "{told:?}");
+    for ([hertz, xi], [true_hertz, true_xi]) in told.iter().zip([[8.3, 0.01], [51.0, 0.02]]) {
+        assert!((hertz / true_hertz - 1.0).abs() < 1e-4, "{told:?}");
+        assert!((xi / true_xi - 1.0).abs() < 1e-2, "{told:?}");
+    }
 }
 
 /// Two encoders in counts, whose gain nobody knows: the deformation is what is left of the link beside the motor side.

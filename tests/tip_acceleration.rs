@@ -137,7 +137,8 @@ fn columns_without_motion_are_refused() {
         "{error}"
     );
     assert!(
-        error.to_string().contains("tip_acceleration has 3 columns"),
+        error.to_string().contains("tip_acceleration of \"")
+            && error.to_string().contains("has 3 columns"),
         "{error}"
     );
 }

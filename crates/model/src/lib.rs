@@ -134,10 +134,12 @@ pub enum ExperimentError {
     },
     /// Several columns of an accelerometer, in a motion that does not show how it is mounted.
     #[error(
-        "{role} has {columns} columns, and the motion does not show which direction in them is that of the tip: record more \
+        "{role} of \"{recording}\" has {columns} columns, and the motion does not show which direction in them is that of the tip: record more \
          motion, or give the one column along the tip's motion"
     )]
     NoTangent {
+        /// Name of the recording.
+        recording: String,
         /// The channel.
         role: Role,
         /// Number of its columns.

@@ -77,7 +77,7 @@ impl Experiment {
         for channel in recording.channels {
             let wanted = model.kind.outputs.contains(&channel.role);
             if wanted && channel.role != experiment.input {
-                let mut output = output(model, &experiment, channel)?;
+                let mut output = output(model, &experiment, (&recording.name, channel))?;
                 if output.channel == Role::LinkPosition
                     && let Some(gain) = gain.take()
                 {

@@ -15,11 +15,11 @@ use std::f64::consts::{PI, TAU};
 /// Fewest samples of an output.
 const FEWEST: usize = 10;
 
-/// The channel as an output.
+/// The channel of a recording of this name as an output.
 pub(super) fn output(
     model: &Model,
     experiment: &Experiment,
-    mut channel: Channel,
+    (recording, mut channel): (&str, Channel),
 ) -> Result<Output, ExperimentError> {
     if channel.role == Role::TipPosition {
         return tip(model, experiment, channel);
@@ -68,7 +68,8 @@ pub(super) fn output(
     };
     if !several.is_empty() {
         let columns = [vec![std::mem::take(&mut output.values)], several].concat();
-        (output.values, output.direction) = along_tangent(model, experiment, (&output, &columns))?;
+        (output.values, output.direction) =
+            along_tangent(model, experiment, (&output, &columns), recording)?;
     }
     Ok(output)
 }

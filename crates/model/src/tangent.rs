@@ -25,8 +25,10 @@ pub(super) fn along_tangent(
     model: &Model,
     experiment: &Experiment,
     (output, columns): (&Output, &[Vec<f64>]),
+    recording: &str,
 ) -> Result<(Vec<f64>, Vec<f64>), ExperimentError> {
     let none = || ExperimentError::NoTangent {
+        recording: recording.into(),
         role: output.channel,
         columns: columns.len(),
     };
