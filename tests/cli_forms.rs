@@ -129,8 +129,8 @@ fn forms() -> Vec<(&'static str, String, Vec<&'static str>, bool)> {
             // The first day fits both orders, the next one only that with the month first.
             "time,accel_x_g\n".to_owned()
                 + &rows(|k| {
-                    let (day, half) = (if k < 2000 { "12" } else { "13" }, if k < 2000 { "PM" } else { "AM" });
-                    let (clock, second) = (if k < 2000 { "11:59" } else { "12:00" }, (k + 58_000) % 60_000);
+                    let (day, half) = (if k < 500 { "12" } else { "13" }, if k < 500 { "PM" } else { "AM" });
+                    let (clock, second) = (if k < 500 { "11:59" } else { "12:00" }, (k + 59_500) % 60_000);
                     format!("05/{day}/2024 {clock}:{:06.3} {half},{:.5}\n", ms(second), decay(ms(k)))
                 }),
             vec!["time_unit = \"mdy\""],
