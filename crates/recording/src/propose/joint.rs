@@ -78,10 +78,13 @@ fn numbered(columns: &[Column], roles: &[Option<Role>]) -> BTreeSet<String> {
     twins.map(|((_, number), _)| number.clone()).collect()
 }
 
+/// A role, and the unit and the words of a role in a name.
+type Said<'a> = (&'a str, Option<&'a String>, Vec<&'a String>);
+
 /// Words by which names of motions differ that say the same of role and unit: each name has some of its own, and none of
 /// them tells two signals of one joint apart.
 fn labelled(columns: &[Column], roles: &[Option<Role>]) -> Vec<Vec<String>> {
-    let mut alike: BTreeMap<(&str, Option<&String>, Vec<&String>), Vec<&Column>> = BTreeMap::new();
+    let mut alike: BTreeMap<Said, Vec<&Column>> = BTreeMap::new();
     for (column, role) in columns.iter().zip(roles) {
         if let Some(role) = role.filter(|role| MOTION.contains(role)) {
             let said = column
