@@ -258,6 +258,23 @@ fn a_rest_judges_nothing() {
     assert!(ran.stderr.contains("nothing moves in"), "{}", ran.stderr);
 }
 
+/// White noise is no machine at work, whatever its draw: strong evidence for a mode is rarer than one draw in a hundred.
+#[test]
+fn noise_at_rest_has_no_modes() {
+    let place = TempDir::new().unwrap();
+    let rows = good();
+    let has_modes = |seed: &u64| {
+        let noisy = rows.iter().enumerate();
+        let noisy: Vec<Row> = noisy
+            .map(|(k, r)| [r[0], 0.3, noise(k, 100 + seed)])
+            .collect();
+        write(&place.path().join("noise"), &noisy);
+        quell(place.path(), "identify noise").code != Some(2)
+    };
+    let told: Vec<u64> = (0..100).filter(has_modes).collect();
+    assert!(told.len() <= 2, "of 100 draws these have modes: {told:?}");
+}
+
 /// A fleet with dead and idle machines does not look healthy.
 #[test]
 fn a_fleet_tells_who_says_nothing() {

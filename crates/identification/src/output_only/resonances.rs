@@ -271,19 +271,22 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// The model with the best Bayesian criterion, its evidence, and the value that is strong. Deviances are
-    /// relative to the dispersion of the largest model.
+    /// The model with the best Bayesian criterion where its evidence is strong, the evidence, and the value that is
+    /// strong for each of its modes. Deviances are relative to the dispersion of the largest model.
     fn best<'m>(&self, models: &'m [Minimum]) -> (Option<&'m Minimum>, f64, f64) {
         let Some(last) = models.last() else {
             return (None, 0.0, STRONG);
         };
         let bands = self.density.power.len() as f64;
-        let dispersion = self.dispersion(last);
+        // Modes that fit chance leave less than chance.
+        let dispersion = self.dispersion(last).max(1.0);
         let score = |model: &&Minimum| model.cost / dispersion + model.at.len() as f64 * bands.ln();
         let best = models.iter().min_by(|a, b| score(a).total_cmp(&score(b)));
         let found = best.map_or(0.0, |best| (models[0].cost - best.cost) / dispersion);
         let unknowns = best.map_or(0, |best| best.at.len() - SHARED);
-        (best, found, unknowns as f64 * bands.ln() + STRONG)
+        let modes = (unknowns / EACH).max(1);
+        let needed = unknowns as f64 * bands.ln() + modes as f64 * STRONG;
+        (best.filter(|_| found >= needed), found, needed)
     }
 
     /// Deviance per degree of freedom; 1 by chance alone.
