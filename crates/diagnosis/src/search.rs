@@ -189,23 +189,18 @@ fn open(
 ) -> Option<Explanation> {
     let mut least = f64::NEG_INFINITY;
     for count in 0..MOST_EFFECTS {
-        let level = || ranked.iter().filter(|own| own.0.terms() == count);
-        let Some(best) = level().next() else {
+        let level = ranked.iter().filter(|own| own.0.terms() == count);
+        let level: Vec<_> = level.take(beam).collect();
+        let Some(best) = level.first() else {
             continue;
         };
         if best.1 < least && count > ahead {
             return None;
         }
         least = least.max(best.1);
-        let is_open = |own: &&(&Explanation, f64)| !pool.is_extended(own.0, Table::Named);
-        // If nothing masks a further effect, another structure of this size has shown it as well. The best of all is
-        // extended in any case.
-        let is_first = std::ptr::eq(best, &ranked[0]);
-        let was_shown = beam == 1 && !is_first && !level().all(|own| is_open(&own));
-        let open = match was_shown {
-            true => None,
-            false => level().take(beam).find(is_open),
-        };
+        let open = level
+            .iter()
+            .find(|own| !pool.is_extended(own.0, Table::Named));
         if let Some((next, _)) = open {
             return Some((*next).clone());
         }
