@@ -335,7 +335,13 @@ fn the_verb_prints_what_it_promises() {
     assert_eq!(best["modes"][0], json["mode"]);
     let text = String::from_utf8(quell(&["--force"]).stdout).expect("text");
     assert_eq!(text.matches("  recommended").count(), 1, "{text}");
-    assert!(text.contains("Recommended: 8.1"), "{text}");
+    let recommended = text
+        .lines()
+        .find(|line| line.starts_with("Recommended: 8.1"));
+    assert!(
+        recommended.is_some_and(|line| line.contains(", by likelihood. ")),
+        "{text}"
+    );
     assert!(
         text.ends_with("Next: quell compare --model out/model.toml --rate 1000\n"),
         "{text}"

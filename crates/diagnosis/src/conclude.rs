@@ -4,7 +4,7 @@ use super::alternatives::alternatives;
 use super::better_model::better_model;
 use super::bootstrap::{Scatter, bootstrap};
 use super::document::{
-    Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, Scored, Verdict,
+    Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, Quality, Scored, Verdict,
 };
 use super::draw::shown;
 use super::explanation::Explanation;
@@ -52,11 +52,11 @@ pub fn conclude(
     if !scatter.is_drawn {
         remarks.push(UNDRAWN.into());
     }
+    let fit = fit(search, found, reported(verdict, found));
     let findings = match verdict {
         Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => Vec::new(),
-        _ => findings(search, found, &scatter),
+        _ => findings(search, found, &scatter, &fit.after),
     };
-    let fit = fit(search, found, reported(verdict, found));
     let mut diagnosis = Diagnosis {
         verdict,
         summary: String::new(),
@@ -194,13 +194,13 @@ fn candidate(
     })
 }
 
-/// The effects of the best explanation, in falling order of the evidence that is lost without them.
-fn findings(search: &Search, found: &Found, scatter: &Scatter) -> Vec<Finding> {
+/// The effects of the best explanation, which leaves `left`, in falling order of the evidence that is lost without them.
+fn findings(search: &Search, found: &Found, scatter: &Scatter, left: &Quality) -> Vec<Finding> {
     let best = &found.best;
     let told = |effect| {
         let gain = found.without(effect).train - best.train;
         let parameters = parameters(search, best, effect, scatter);
-        let mut finding = finding(search, found, effect, parameters);
+        let mut finding = finding(search, found, effect, parameters, left);
         finding.curve = law_curve(search.problem, &best.fitted.point, effect, scatter);
         (gain, finding)
     };
@@ -214,10 +214,11 @@ fn finding(
     found: &Found,
     effect: EffectAt,
     parameters: Vec<FittedParameter>,
+    left: &Quality,
 ) -> Finding {
     let (best, without) = (&found.best, found.without(effect));
     let equals: Vec<_> = found.equals.iter().map(Explanation::effects).collect();
-    let left = |own: &Explanation| quality(search, &own.fitted.point).held_out_over_noise;
+    let left_without = quality(search, &without.fitted.point);
     let log_odds = found.log_evidence(best) - found.log_evidence(without);
     let weighed = match search.refusal(&found.refused, found.temperature, without) {
         // It is told for the sake of the others: without it they say something that cannot be.
@@ -231,7 +232,7 @@ fn finding(
         parameters,
         evidence: format!(
             "Without it the residual of the held-out data is {} times as large. {weighed}",
-            times(left(without) / left(best)),
+            times(left_without.held_out_over_noise / left.held_out_over_noise),
         ),
         alternatives: alternatives(effect, &best.effects(), &equals)
             .into_iter()

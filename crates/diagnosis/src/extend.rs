@@ -39,22 +39,18 @@ impl Search<'_> {
             let fall = -2.0 * CALIBRATED * pool.unit(self.judge) * problem.log_prior_of_one();
             found = search.screened(from, linear, table, fall);
         }
-        let screened = quell_model::simulations() - before;
         let mut halving = Halving::new(&search, from, linear.as_ref());
         halving.enter(found);
-        let entered = quell_model::simulations() - before;
         // Learned laws compete with the best explanation that is known.
         let rival = match table {
             Table::Named => f64::INFINITY,
             Table::Learned => pool.best(self.judge).fitted.cost,
         };
         halving.lead(rival);
-        let led = quell_model::simulations() - before;
         if table == Table::Named {
             let continued = search.continued(from, &halving);
             halving.enter(continued);
         }
-        let continued = quell_model::simulations() - before;
         let found = halving.finish();
         found
             .iter()
@@ -63,7 +59,7 @@ impl Search<'_> {
             from = ?point.structure(),
             ?table,
             temperature,
-            simulations = ?[screened, entered, led, continued, quell_model::simulations() - before],
+            simulations = quell_model::simulations() - before,
             fitted = found.len(), nodes = problem.experiments[0].grid.input.len(), rows = problem.experiments[0].samples(),
             "extended"
         );

@@ -134,6 +134,12 @@ impl Experiment {
         )
     }
 
+    /// Mean distance of the input's stamps, s.
+    pub fn mean_interval(&self) -> f64 {
+        let (first, last) = self.span();
+        (last - first) / (self.input_time.len() - 1) as f64
+    }
+
     /// Number of measured values.
     pub fn samples(&self) -> usize {
         self.outputs.iter().map(|output| output.values.len()).sum()

@@ -71,12 +71,6 @@ impl Experiment {
         }
     }
 
-    /// Mean distance of the input's stamps, s.
-    fn mean_interval(&self) -> f64 {
-        let (first, last) = self.span();
-        (last - first) / (self.input_time.len() - 1) as f64
-    }
-
     /// Whether the input differs from a smooth one by no more than an error of this standard deviation.
     fn is_within(&self, deviation: f64, smooth: &Grid) -> bool {
         let mut k = 0;

@@ -35,8 +35,8 @@ pub fn moved(
     seen: &Seen,
     lead: f64,
 ) -> Option<Experiment> {
-    let (first, last) = base.span();
-    let period = (last - first) / (base.input_time.len() - 1) as f64;
+    let (_, last) = base.span();
+    let period = base.mean_interval();
     let values = positions(moves, seen.start, lead, period).ok()?;
     let start = last + LATER;
     let time: Vec<f64> = (0..values.len())
