@@ -443,10 +443,10 @@ proptest! {
 
     #[test]
     fn derivatives_are_those_of_their_functions(
-        curvature in -0.1..2.0f64, centre in -2.0..2.0f64, y in -2.0..2.0f64,
+        curvature in -0.1..2.0f64, centre in -2.0..2.0f64, y in -2.0..2.0f64, order in 0.0..3.0f64,
     ) {
         let h = 1e-5;
-        let inertia = inertia("pose_dependent_frequency", &[curvature, centre, 1.0]);
+        let inertia = inertia("pose_dependent_frequency", &[curvature, centre, 1.0, order]);
         let slope = (inertia.factor(0.0, y + h) - inertia.factor(0.0, y - h)) / (2.0 * h);
         // Rounding of 1e-16 * 30 over 2e-5.
         prop_assert!((inertia.slope(0.0, y) - slope).abs() < 1e-9);

@@ -74,7 +74,7 @@ impl Judge<'_> {
         Explanation {
             train,
             held_out: evidence.held_out(),
-            is_at_end: problem.is_at_end(&fitted),
+            is_at_end: problem.is_at_end(&fitted, &evidence),
             fitted,
             evidence,
         }

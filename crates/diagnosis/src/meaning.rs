@@ -1,5 +1,6 @@
 //! Whether the data determine the parameters of an effect.
 
+use super::evidence::{CALIBRATED, Evidence};
 use super::explanation::Explanation;
 use super::fit::Fitted;
 use super::point::{Global, Point};
@@ -19,15 +20,20 @@ impl Problem<'_> {
     ///
     /// The bounds of a parameter are those of the motion: a gap is no wider than the travel, a period no longer, a
     /// frequency within the band. The ends of a share or of a side are laws of their own, and a phase has no ends.
-    /// An event at the first instant is nothing but another start of the motion.
-    pub fn is_at_end(&self, fitted: &Fitted) -> bool {
+    /// An event at the first instant is nothing but another start of the motion. A shape that may be anything
+    /// within its range says nothing at its end either.
+    pub fn is_at_end(&self, fitted: &Fitted, evidence: &Evidence) -> bool {
         let point = &fitted.point;
+        let deviations = evidence.deviations(CALIBRATED);
         let added = added(point, &fitted.globals);
-        let mut added = added.map(|(_, term, index)| {
+        let mut added = added.map(|(unknown, term, index)| {
             let parameter = &point.terms[term].effect.parameters[index];
             let value = point.terms[term].values[index];
             let (low, high) = self.limits(point, Global::Parameter(term, index));
             let near = |bound: f64| (value - bound).abs() < AT_END * (high - low);
+            if parameter.role == ParameterRole::Shape && spans(deviations[unknown], (low, high)) {
+                return false;
+            }
             // A law at the end of its shape parameter is the simpler law that it contains as a limit.
             let contains = point.terms[term].effect.limits().next().is_some();
             let ends = [low, high].into_iter();
@@ -57,12 +63,17 @@ impl Problem<'_> {
         let wide = |(unknown, term, index): (usize, usize, usize)| {
             let role = fitted.point.terms[term].effect.parameters[index].role;
             let (low, high) = self.limits(&fitted.point, Global::Parameter(term, index));
-            (2.0 * NORMAL_95 * deviations[unknown] > high - low).then_some((term, role))
+            spans(deviations[unknown], (low, high)).then_some((term, role))
         };
         added(&fitted.point, &fitted.globals)
             .filter_map(wide)
             .collect()
     }
+}
+
+/// Whether the 95 % interval of a parameter of this standard deviation is as wide as its range.
+fn spans(deviation: f64, (low, high): (f64, f64)) -> bool {
+    2.0 * NORMAL_95 * deviation > high - low
 }
 
 /// Whether a parameter at this end of its range is a value without meaning. `contains` tells whether its effect

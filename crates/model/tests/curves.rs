@@ -170,7 +170,12 @@ fn curves_outside_of_the_chain_are_what_is_added() {
     assert_eq!(at("saturation", &[1.5], 2.0), -0.5);
     assert!((at("sensor_gain", &[0.1], 2.0) - 0.2).abs() < 1e-15);
     assert_eq!(at("sensor_drift", &[0.1, 0.3, 0.0], 2.0), 0.2);
-    assert_eq!(at("pose_dependent_frequency", &[0.5, 1.0, 1.0], 3.0), 2.0);
+    assert_eq!(
+        at("pose_dependent_frequency", &[0.5, 1.0, 1.0, 0.0], 3.0),
+        2.0
+    );
+    let folded = at("pose_dependent_frequency", &[0.5, 1.0, 1.0, 1.0], 3.0);
+    assert!((folded - (1.0 - 2.0_f64.cos())).abs() < 1e-15);
     for name in [
         "learned_drive",
         "learned_sensor",
@@ -361,7 +366,7 @@ fn the_nearest_named_law_of_a_curve_is_the_law_that_it_was_made_of() {
             (-0.8, 1.0),
             Place::Link,
             "pose_dependent_frequency",
-            &[0.4, 0.2, 0.0],
+            &[0.4, 0.2, 0.0, 0.0],
         ),
         (
             "learned_drift",
