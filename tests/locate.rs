@@ -362,6 +362,11 @@ fn val_instants_frequencies_and_orders_are_found() {
     // One cycle over the travel of 0.5 is 12 rad; a line is placed to a tenth of it.
     let order = find("ripple").candidate_orders[0];
     assert!((order - 43.0).abs() < 1.3, "{order}");
+    // Fewer cycles than a line of a spectrum needs: within a quarter of a cycle.
+    let position = |t: f64| motor(t)[0];
+    let slow = refit.missing(11, |t, _| 0.05 * BEND * (21.0 * position(t)).sin());
+    let order = refit.locate(&slow).candidate_orders[0];
+    assert!((order - 21.0).abs() < 3.2, "{order}");
 }
 
 #[test]

@@ -190,7 +190,7 @@ fn candidate(
         log_evidence,
         probability: *probability,
         held_out_ratio,
-        refused: refused.map(str::to_string),
+        refused,
     })
 }
 

@@ -20,8 +20,8 @@ pub struct Explanation {
     pub held_out: f64,
     /// Its marginal likelihood.
     pub evidence: Evidence,
-    /// Whether a parameter of its effects lies at the end of its range.
-    pub is_at_end: bool,
+    /// Term and index of a parameter of its effects that lies at the end of its range.
+    pub at_end: Option<(usize, usize)>,
 }
 
 impl Explanation {
@@ -52,6 +52,11 @@ impl Explanation {
         self.fitted.point.structure() == other.structure()
     }
 
+    /// Whether a parameter of its effects lies at the end of its range.
+    pub fn is_at_end(&self) -> bool {
+        self.at_end.is_some()
+    }
+
     /// Log of its marginal likelihood.
     pub fn log_evidence(&self, temperature: f64) -> f64 {
         self.evidence.log(temperature)
@@ -74,7 +79,7 @@ impl Judge<'_> {
         Explanation {
             train,
             held_out: evidence.held_out(),
-            is_at_end: problem.is_at_end(&fitted, &evidence),
+            at_end: problem.at_end(&fitted, &evidence),
             fitted,
             evidence,
         }

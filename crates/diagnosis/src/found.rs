@@ -126,14 +126,20 @@ impl Search<'_> {
         refused: &[Explanation],
         temperature: f64,
         own: &Explanation,
-    ) -> Option<&'static str> {
-        if own.is_at_end {
-            Some("a parameter is at the end of its range")
+    ) -> Option<String> {
+        if let Some((term, index)) = own.at_end {
+            let term = &own.fitted.point.terms[term];
+            let parameter = term.effect.parameters[index].name;
+            let (effect, value) = (term.effect.name, term.values[index]);
+            Some(format!(
+                "{parameter} of {effect}, {value:.3e}, is at the end of its range"
+            ))
         } else if !self.problem.is_meaningful(own, temperature) {
-            Some("a parameter may be anything within its range")
+            Some("a parameter may be anything within its range".into())
         } else if refused.iter().any(|other| other.is_like(own)) {
             Some(
-                "it predicts what was held out worse than without it, or without one of its effects",
+                "it predicts what was held out worse than without it, or without one of its effects"
+                    .into(),
             )
         } else {
             None

@@ -11,6 +11,7 @@ mod orders;
 mod peaks;
 mod phases;
 mod place;
+mod pursuit;
 mod refit;
 mod responses;
 mod search;
@@ -86,7 +87,7 @@ pub struct Located {
     pub candidate_events: Vec<f64>,
     /// Angular frequencies that stand out of the residual, rad/s; the strongest first, at most 8.
     pub candidate_frequencies: Vec<f64>,
-    /// Radians per unit of position of forces periodic in position; the strongest first, at most 8.
+    /// Radians per unit of position of forces periodic in position; the one that explains most first, at most 8.
     pub candidate_orders: Vec<f64>,
     /// Positions of the link at those candidates that are sudden, and the sign of its velocity.
     pub candidate_stops: Vec<[f64; 2]>,
@@ -171,6 +172,13 @@ fn put_together(
         rings_elsewhere: elsewhere.iter().any(away),
     };
     let place = evidence.place(&mut coordinate);
+    let candidate_orders = match place {
+        Some(_) => {
+            let all = [orders, orders::slow(residual, &moving)].concat();
+            pursuit::pursued(residual, (&smoother, &refit), all)
+        }
+        None => Vec::new(),
+    };
     let sudden = candidates
         .iter()
         .filter(|s| s.kind != candidate_events::Kind::Change);
@@ -194,7 +202,7 @@ fn put_together(
         candidate_events: candidates.iter().map(|s| s.time).collect(),
         candidate_stops: sudden.map(|s| stop(residual.link[s.at])).collect(),
         candidate_frequencies: frequencies,
-        candidate_orders: if place.is_some() { orders } else { Vec::new() },
+        candidate_orders,
     }
 }
 

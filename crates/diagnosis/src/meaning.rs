@@ -4,10 +4,12 @@ use super::evidence::{CALIBRATED, Evidence};
 use super::explanation::Explanation;
 use super::fit::Fitted;
 use super::point::{Global, Point};
+use super::prior::is_logarithmic;
 use super::problem::Problem;
 use quell_model::effects::{Parameter, ParameterRole, Quantity};
 
-/// Distance from the end of its range within which a parameter counts as at the end, as a share of the range.
+/// Distance from the end of its range within which a parameter counts as at the end, as a share of the range; in
+/// octaves where its prior is uniform in them.
 const AT_END: f64 = 1e-3;
 /// A bound this near to 1 stands for 1, the whole of a share.
 const WHOLE: f64 = 0.03;
@@ -15,23 +17,25 @@ const WHOLE: f64 = 0.03;
 const NORMAL_95: f64 = 1.96;
 
 impl Problem<'_> {
-    /// Whether a parameter of an added effect lies at the end of its range, which means that another law is at
-    /// work.
+    /// Term and index of a parameter of an added effect that lies at the end of its range, which means that another
+    /// law is at work.
     ///
     /// The bounds of a parameter are those of the motion: a gap is no wider than the travel, a period no longer, a
     /// frequency within the band. The ends of a share or of a side are laws of their own, and a phase has no ends.
     /// An event at the first instant is nothing but another start of the motion. A shape that may be anything
     /// within its range says nothing at its end either.
-    pub fn is_at_end(&self, fitted: &Fitted, evidence: &Evidence) -> bool {
+    pub fn at_end(&self, fitted: &Fitted, evidence: &Evidence) -> Option<(usize, usize)> {
         let point = &fitted.point;
         let deviations = evidence.deviations(CALIBRATED);
         let added = added(point, &fitted.globals);
-        let mut added = added.map(|(unknown, term, index)| {
+        let is_at_end = |&(unknown, term, index): &(usize, usize, usize)| {
             let parameter = &point.terms[term].effect.parameters[index];
             let value = point.terms[term].values[index];
             let (low, high) = self.limits(point, Global::Parameter(term, index));
-            let near = |bound: f64| (value - bound).abs() < AT_END * (high - low);
-            if parameter.role == ParameterRole::Shape && spans(deviations[unknown], (low, high)) {
+            let role = parameter.role;
+            let near = |bound: f64| is_near(role, (value, bound), (low, high));
+            let own = (value, deviations[unknown]);
+            if role == ParameterRole::Shape && spans(role, own, (low, high)) {
                 return false;
             }
             // A law at the end of its shape parameter is the simpler law that it contains as a limit.
@@ -39,8 +43,9 @@ impl Problem<'_> {
             let ends = [low, high].into_iter();
             let mut ends = ends.filter(|&bound| is_meaningless(parameter, bound, contains));
             ends.any(near)
-        });
-        added.any(|is_at_end| is_at_end)
+        };
+        let first = added.into_iter().find(is_at_end);
+        first.map(|(_, term, index)| (term, index))
     }
 
     /// Whether the data determine the parameters of every added effect within the visited range: none is at the
@@ -49,7 +54,8 @@ impl Problem<'_> {
     pub fn is_meaningful(&self, explanation: &Explanation, temperature: f64) -> bool {
         let unknown = self.unknown(explanation, temperature);
         let mut roles = unknown.into_iter().map(|(_, role)| role);
-        roles.all(|role| !has_ends(role) || role == ParameterRole::Shape) && !explanation.is_at_end
+        roles.all(|role| !has_ends(role) || role == ParameterRole::Shape)
+            && !explanation.is_at_end()
     }
 
     /// Term and role of the parameters of added effects whose confidence interval spans the whole range.
@@ -61,9 +67,11 @@ impl Problem<'_> {
         let fitted = &explanation.fitted;
         let deviations = explanation.evidence.deviations(temperature);
         let wide = |(unknown, term, index): (usize, usize, usize)| {
-            let role = fitted.point.terms[term].effect.parameters[index].role;
-            let (low, high) = self.limits(&fitted.point, Global::Parameter(term, index));
-            spans(deviations[unknown], (low, high)).then_some((term, role))
+            let own = &fitted.point.terms[term];
+            let role = own.effect.parameters[index].role;
+            let limits = self.limits(&fitted.point, Global::Parameter(term, index));
+            let known = (own.values[index], deviations[unknown]);
+            spans(role, known, limits).then_some((term, role))
         };
         added(&fitted.point, &fitted.globals)
             .filter_map(wide)
@@ -71,9 +79,21 @@ impl Problem<'_> {
     }
 }
 
-/// Whether the 95 % interval of a parameter of this standard deviation is as wide as its range.
-fn spans(deviation: f64, (low, high): (f64, f64)) -> bool {
-    2.0 * NORMAL_95 * deviation > high - low
+/// Whether a value is near a bound of its range.
+fn is_near(role: ParameterRole, (value, bound): (f64, f64), (low, high): (f64, f64)) -> bool {
+    match is_logarithmic(role, (low, high)) {
+        true => (value / bound).ln().abs() < AT_END * (high / low).ln(),
+        false => (value - bound).abs() < AT_END * (high - low),
+    }
+}
+
+/// Whether the 95 % interval of a parameter of this value and standard deviation is as wide as its range.
+fn spans(role: ParameterRole, (value, deviation): (f64, f64), (low, high): (f64, f64)) -> bool {
+    let interval = 2.0 * NORMAL_95 * deviation;
+    match is_logarithmic(role, (low, high)) {
+        true => interval > value * (high / low).ln(),
+        false => interval > high - low,
+    }
 }
 
 /// Whether a parameter at this end of its range is a value without meaning. `contains` tells whether its effect
@@ -110,6 +130,17 @@ fn added<'a>(
 mod tests {
     use super::*;
     use quell_model::effects::{EFFECTS, Scales};
+
+    /// An order half above the least one is no end, though a range of three decades has thousandths larger than that.
+    #[test]
+    fn the_ends_of_a_range_of_decades_are_ratios() {
+        let order = |value| is_near(ParameterRole::Order, (value, 11.0), (11.0, 7000.0));
+        assert!(order(11.0) && order(11.05) && !order(16.5));
+        let width = |deviation| spans(ParameterRole::Order, (100.0, deviation), (11.0, 7000.0));
+        assert!(width(200.0) && !width(100.0));
+        let position = |value| is_near(ParameterRole::Position, (value, 1.0), (1.0, 9.0));
+        assert!(position(1.007) && !position(1.009));
+    }
 
     /// Over the catalogue: an event at either end of its time says nothing; a size at its neutral value is no
     /// end, since the effect is then not there.

@@ -88,7 +88,7 @@ impl Pool {
             let own = refit(&entry.own);
             Entry {
                 // A parameter may have reached the end of its range, and the structures without its effect may not be kept.
-                thinned: entry.thinned && !own.is_at_end,
+                thinned: entry.thinned && !own.is_at_end(),
                 extended: entry.extended.clone(),
                 own,
             }
@@ -207,7 +207,7 @@ impl Pool {
             .iter()
             .map(|entry| (&entry.own, scored(entry)))
             .collect();
-        let order = |own: &(&Explanation, f64)| (own.0.is_at_end, -own.1);
+        let order = |own: &(&Explanation, f64)| (own.0.is_at_end(), -own.1);
         ranked.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(Ordering::Equal));
         ranked
     }

@@ -18,6 +18,12 @@ const ONE_MORE: f64 = -std::f64::consts::LN_2;
 /// Log of the prior odds, one in twenty, of a law that a sensor of this kind cannot have physically.
 const NOT_BY_ITSELF: f64 = -3.0;
 
+/// Whether a parameter is as likely in one octave of its range as in another.
+pub fn is_logarithmic(role: ParameterRole, (low, high): (f64, f64)) -> bool {
+    let is_rate = matches!(role, ParameterRole::Frequency | ParameterRole::Order);
+    low > 0.0 && (is_rate || high > 10.0 * low)
+}
+
 impl Problem<'_> {
     /// Width of the prior of an unknown, as the fit sees it, at its value in a point.
     ///
@@ -64,8 +70,7 @@ impl Problem<'_> {
             ParameterRole::Phase => TAU / root,
             // The prior of the curve as a whole is in [`super::curves`].
             ParameterRole::Ordinate | ParameterRole::Range => typical,
-            ParameterRole::Frequency | ParameterRole::Order if low > 0.0 => decades(value),
-            _ if low > 0.0 && high > 10.0 * low => decades(value),
+            role if is_logarithmic(role, (low, high)) => decades(value),
             _ => (high - low) / root,
         }
     }

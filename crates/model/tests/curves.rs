@@ -366,7 +366,7 @@ fn the_nearest_named_law_of_a_curve_is_the_law_that_it_was_made_of() {
             (-0.8, 1.0),
             Place::Link,
             "pose_dependent_frequency",
-            &[0.4, 0.2, 0.0, 0.0],
+            &[0.4, 0.2, 0.0, 2.0],
         ),
         (
             "learned_drift",

@@ -9,7 +9,7 @@ use super::{MOST, Residual};
 
 /// Cells over the travel. As many empty ones follow, for interpolation between the lines.
 const CELLS: usize = 2048;
-/// Fewest cycles over the travel of a periodic force; fewer are a slope.
+/// Fewest cycles over the travel of a line of the spectrum; fewer are in the skirt of its slope.
 const FEWEST: f64 = 3.0;
 
 /// Significant orders, in radians of phase per unit of position, the strongest first.
@@ -18,9 +18,7 @@ const FEWEST: f64 = 3.0;
 /// any speed, and other forces do not.
 pub(super) fn orders(residual: &Residual, force: &[f64], at: &[usize]) -> Vec<f64> {
     let x = |k: usize| residual.motor[k][0];
-    let bounds = at.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |b, &k| {
-        (b.0.min(x(k)), b.1.max(x(k)))
-    });
+    let bounds = bounds(residual, at);
     let travel = bounds.1 - bounds.0;
     if at.len() < 64 || travel <= 0.0 {
         return Vec::new();
@@ -50,6 +48,24 @@ pub(super) fn orders(residual: &Residual, force: &[f64], at: &[usize]) -> Vec<f6
         }
     }
     found
+}
+
+/// Orders of fewer cycles over the travel than a line has, half a cycle apart: an order between two of them is
+/// less than a quarter of a cycle from the nearer one.
+pub(super) fn slow(residual: &Residual, at: &[usize]) -> Vec<f64> {
+    let bounds = bounds(residual, at);
+    let travel = bounds.1 - bounds.0;
+    let cycles = (1..).map(|k| 0.5 * f64::from(k));
+    let cycles = cycles.take_while(|cycles| *cycles < FEWEST && travel > 0.0);
+    cycles.map(|cycles| cycles * TAU / travel).collect()
+}
+
+/// Least and greatest position of the motor side.
+fn bounds(residual: &Residual, at: &[usize]) -> (f64, f64) {
+    let positions = at.iter().map(|&k| residual.motor[k][0]);
+    positions.fold((f64::INFINITY, f64::NEG_INFINITY), |b, x| {
+        (b.0.min(x), b.1.max(x))
+    })
 }
 
 /// The stamps of passages, and the distance from each to the next. Stamps at rest are left out, where only

@@ -6,7 +6,7 @@ use super::smoother::Smoother;
 use super::{Residual, colour};
 
 /// Parameters of a cause: when or where, its size, and the shift of its time or its phase.
-const PARAMETERS: f64 = 3.0;
+pub(super) const PARAMETERS: f64 = 3.0;
 
 /// The error's response to an impact or a force that sets in; the second column shifts it in time. `None` for a
 /// lasting change of how the force depends on the motion.
