@@ -73,6 +73,7 @@ impl ToldMode {
             natural_frequency,
             damping_ratio,
             share,
+            ..
         } = resonance;
         if share == 0.0 {
             return Ok(None);

@@ -303,7 +303,8 @@ impl Chain {
     fn further(&self, mode: &Resonance, motion: &Motion, drive: f64, x: f64, v: f64) -> f64 {
         let (w, xi) = (mode.natural_frequency, mode.damping_ratio);
         let u = motion.motor;
-        w * w * (u[0] - x) + 2.0 * xi * w * (u[1] - v) + self.linear.link_gain * drive
+        let coupled = mode.damping_coupling * (u[1] - motion.link[1]);
+        w * w * (u[0] - x) + 2.0 * w * (xi * (u[1] - v) + coupled) + self.linear.link_gain * drive
     }
 }
 

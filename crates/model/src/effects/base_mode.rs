@@ -2,6 +2,7 @@
 
 use super::deformation_gain::DEFORMATION_GAIN;
 use super::grid::{frequencies, frequency_bounds, product};
+use super::shared_parameters::DAMPING_COUPLING;
 use super::{
     Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Resonance,
 };
@@ -47,8 +48,10 @@ pub const BASE_MODE: Effect = Effect {
             neutral: 0.0,
             typical: |_| 0.05,
         },
+        DAMPING_COUPLING,
     ],
     properties: &[
+        Property::Optional("damping_coupling"),
         Property::Becomes(&DEFORMATION_GAIN),
         Property::Alike(Likeness::Resonance),
         Property::Alike(Likeness::Flexibility),
@@ -58,7 +61,8 @@ pub const BASE_MODE: Effect = Effect {
             natural_frequency: p[1],
             damping_ratio: p[2],
             share: p[0],
+            damping_coupling: p[3],
         })
     },
-    starts: |scales| product(&[&[-0.05, 0.05], &frequencies(scales, 9), &[0.04]]),
+    starts: |scales| product(&[&[-0.05, 0.05], &frequencies(scales, 9), &[0.04], &[0.0]]),
 };

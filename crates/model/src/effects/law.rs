@@ -203,7 +203,8 @@ pub trait Inertia: Send + Sync {
     }
 }
 
-/// A further mode: `eta'' + 2 xi w eta' + w^2 eta` is driven as the first mode is. If the motor side drives the
+/// A further mode: `eta'' + 2 xi w eta' + 2 g w d' + w^2 eta` is driven as the first mode is, `d` being the deformation of
+/// the joint. If the motor side drives the
 /// chain, the sensor sees `(1 - share) first + share eta`, since a sensor on an inertia stands still at
 /// infinite frequency. If a force drives it, the sensor sees `first + share eta`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -214,6 +215,11 @@ pub struct Resonance {
     pub damping_ratio: f64,
     /// Share of what the sensor sees; 0 is neutral.
     pub share: f64,
+    /// `g`: what the damper of the joint does to this mode. 0 for dampers in the proportion of the springs.
+    ///
+    /// Dampers in any other proportion couple the modes (Caughey and O'Kelly, ASME J. Applied Mechanics 32, 1965). The
+    /// first mode is the larger one, so that what the further one does to it is of second order.
+    pub damping_coupling: f64,
 }
 
 /// The motion that a sensor sees at one stamp.

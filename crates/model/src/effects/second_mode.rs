@@ -2,6 +2,7 @@
 
 use super::deformation_gain::DEFORMATION_GAIN;
 use super::grid::{frequencies, frequency_bounds, product};
+use super::shared_parameters::DAMPING_COUPLING;
 use super::{
     Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Resonance,
 };
@@ -11,10 +12,12 @@ pub const SECOND_MODE: Effect = Effect {
     name: "second_mode",
     title: "second mode",
     places: &[Place::Link],
-    physics: "The arm is no single spring and mass: a further mode eta'' + 2 xi w eta' + w^2 eta is \
+    physics: "The arm is no single spring and mass: a further mode eta'' + 2 xi w eta' + 2 g w d' + w^2 eta is \
         driven as the first one is, and the sensor sees a share of it, negative where the mode's \
-        shape has the other sign at the sensor. Source: Meirovitch, Fundamentals of Vibrations \
-        (2001), chapter 7; Ewins, Modal Testing (2000), chapter 2.",
+        shape has the other sign at the sensor. Where the dampers are not in the proportion of the springs, the \
+        joint's damper acts on it as well: g is the coupling, d the deformation of the joint. Source: Meirovitch, \
+        Fundamentals of Vibrations (2001), chapter 7; Ewins, Modal Testing (2000), chapter 2; Caughey and O'Kelly, \
+        ASME J. Applied Mechanics 32 (1965).",
     remedy: "Shape for both frequencies; look for a flexible gripper, tool or payload at the \
         second.",
     parameters: &[
@@ -48,8 +51,10 @@ pub const SECOND_MODE: Effect = Effect {
             neutral: 0.0,
             typical: |_| 0.03,
         },
+        DAMPING_COUPLING,
     ],
     properties: &[
+        Property::Optional("damping_coupling"),
         Property::Becomes(&DEFORMATION_GAIN),
         Property::Alike(Likeness::Resonance),
         Property::Alike(Likeness::Flexibility),
@@ -59,10 +64,11 @@ pub const SECOND_MODE: Effect = Effect {
             natural_frequency: p[1],
             damping_ratio: p[2],
             share: p[0],
+            damping_coupling: p[3],
         })
     },
     starts: |scales| {
         let share = if scales.forced { 0.3 } else { 0.05 };
-        product(&[&[-share, share], &frequencies(scales, 9), &[0.02]])
+        product(&[&[-share, share], &frequencies(scales, 9), &[0.02], &[0.0]])
     },
 };

@@ -33,6 +33,16 @@ pub(super) const ORDER: Parameter = Parameter {
     typical: resonant_order,
 };
 
+/// What the damper of the joint does to a further mode, as a damping ratio.
+pub(super) const DAMPING_COUPLING: Parameter = Parameter {
+    name: "damping_coupling",
+    role: ParameterRole::Shape,
+    quantity: Quantity::NUMBER,
+    bounds: |_| (-0.5, 0.5),
+    neutral: 0.0,
+    typical: |_| 0.03,
+};
+
 /// Instant of an event.
 pub(super) const EVENT_TIME: Parameter = Parameter {
     name: "time",
