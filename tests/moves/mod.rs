@@ -8,6 +8,7 @@ pub fn a_move(id: u64) -> Vec<Batch> {
     let times: Vec<f64> = (0..450).map(|k| 0.01 * f64::from(k)).collect();
     let batch = |(number, times): (usize, &[f64])| Batch {
         number: number as u64 + 1000 * id,
+        time: times[times.len() - 1],
         ticks: times.iter().map(|&time| row(time)).collect(),
         measured: times.iter().map(|&time| measured(time)).collect(),
         events: Vec::new(),

@@ -10,7 +10,9 @@ use quell::service::bridged::bridged;
 use quell::service::contract::{LinkHealth, Measured};
 use quell::service::link::RobotLink;
 use quell::service::tick::gate::{Cause, Trip};
-use quell::service::tick::{EngineRings, Event, JointTick, Plan, Start, Tick, ToTick, Train};
+use quell::service::tick::{
+    EngineRings, Event, JointTick, Plan, Record, Start, Tick, ToTick, Train,
+};
 use quell_shapers::{GridTrain, Setpoint, Shaper, UncertainMode, shaper_by_name};
 
 use super::tick::{controller, joint, plan};
@@ -270,6 +272,7 @@ proptest! {
         let joint = joint(&robot).ranging_within([-0.1, end], PERIOD);
         let (mut tick, mut rings, told) = bench_of(joint, shaped, None);
         let (mut due, mut left, mut trips) = (0, 0, Vec::new());
+        let mut recorded = Vec::new();
         for k in 0..3000 {
             let gap = if k == at { missed } else { 0 };
             due += gap + 1;
@@ -279,6 +282,8 @@ proptest! {
                     Event::Tripped(trip) => trips.push(trip),
                     Event::Left(index) => {
                         left += 1;
+                        // The reason is there when the move ends.
+                        prop_assert_eq!(trips.len(), 1);
                         if ceases {
                             rings.orders.push(ToTick::Cease(index));
                         }
@@ -286,9 +291,17 @@ proptest! {
                     _ => {}
                 }
             }
-            while rings.records.pop().is_ok() {}
+            while let Ok(record) = rings.records.pop() {
+                if let Record::Tick(row, _) = record {
+                    recorded.push((row.time, row.position));
+                }
+            }
         }
         let told = told.lock().expect("no panic");
+        // Each setpoint is in the records, those of the brake, too.
+        let mut sent = told.setpoints.iter().map(|(time, sent)| (*time, sent.position));
+        let missing = sent.find(|one| !recorded.contains(one));
+        prop_assert_eq!(missing, None);
         let most = end + inexact(robot.joints[0].limits, PERIOD);
         for pair in told.setpoints.windows(2) {
             check(pair[0], pair[1])?;

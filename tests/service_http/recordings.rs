@@ -4,7 +4,8 @@ use super::client::Client;
 use super::moves::a_move;
 use super::stand_in::{BOUNDS, outside, settings};
 use quell::recording::{McapFile, Recording, Role};
-use quell::service::recorder::{Bounds, Shelf};
+use quell::service::contract::{Event, MoveEnd};
+use quell::service::recorder::{Bounds, RecordingEnd, Shelf};
 use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
@@ -96,6 +97,46 @@ fn moves_are_recorded_whole_and_within_bounds() {
 }
 
 #[test]
+fn what_a_fault_stops_is_recorded_until_a_second_of_rest_and_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let outside = outside(settings(), Some((folder.path(), BOUNDS)));
+    let mut batches = a_move(1);
+    for batch in &mut batches {
+        for event in &mut batch.events {
+            if let Event::MoveEnded(result) = event {
+                (result.interrupted, result.ended) = (true, Some(MoveEnd::Fault));
+                result.fault = Some("it is held".into());
+            }
+        }
+        // Nobody commands it any more; it brakes for half a second after the end of its move, at 3 s.
+        batch.ticks.retain(|row| row.time < 3.5);
+        for row in batch.ticks.iter_mut().filter(|row| row.time < 3.5) {
+            row.velocity = if row.time < 3.45 { 0.1 } else { 0.0 };
+        }
+    }
+    for batch in batches {
+        outside.stream.send(Arc::new(batch)).unwrap();
+    }
+    let mut client = Client::new(outside.address);
+    let list = listed(&mut client, 1);
+    assert_eq!(list[0]["ended"], "move", "{list}");
+    assert_eq!(list[0]["result"]["ended"], "fault");
+    assert_eq!(list[0]["result"]["fault"], "it is held");
+    let of_csv = Recording::from_path(folder.path().join("move-000001")).unwrap();
+    let of_mcap = folder.path().join("move-000001/recording.mcap");
+    for recording in [of_csv, Recording::from_path(of_mcap).unwrap()] {
+        // From a second before the move, at 2 s.
+        let last = |role| *recording.channel(role).unwrap().time.last().unwrap();
+        assert!((last(Role::CommandPosition) - 2.49).abs() < 1e-6);
+        assert!(
+            last(Role::MotorPosition) > 3.3,
+            "{}",
+            last(Role::MotorPosition)
+        );
+    }
+}
+
+#[test]
 fn what_a_kill_cuts_is_kept_as_far_as_it_came() {
     let [folder, left] = [(); 2].map(|()| tempfile::tempdir().unwrap());
     let outside = outside(settings(), Some((folder.path(), BOUNDS)));
@@ -125,6 +166,7 @@ fn what_a_kill_cuts_is_kept_as_far_as_it_came() {
     let list = shelf.list().unwrap();
     assert_eq!((list.len(), list[0].name.as_str()), (1, "move-000007"));
     assert!(list[0].about.result.is_none() && list[0].about.duration_s >= 1.4);
+    assert_eq!(list[0].about.ended, RecordingEnd::Cut);
     let recording = Recording::from_path(shelf.path("move-000007").unwrap()).unwrap();
     let [command, motor] = [Role::CommandPosition, Role::MotorPosition];
     let lengths = [command, motor].map(|role| recording.channel(role).unwrap().time.len());

@@ -1,7 +1,7 @@
 //! What disables moves, and that nothing but a request enables them.
 
 use quell::service::contract::{
-    Accepted, EnableState, FaultKind, Phase, Request, ServiceError, ShapingChange,
+    Accepted, EnableState, FaultKind, MoveEnd, Phase, Request, ServiceError, ShapingChange,
 };
 use quell::service::following::{FOLLOWED, healthy};
 
@@ -46,6 +46,13 @@ fn stopped(world: &mut World, fault: FaultKind, before: usize) -> f64 {
         Err(ServiceError::Faulted { .. })
     ));
     assert_eq!(world.last().map(|(_, sent)| sent), Some(last));
+    // Rung out, the move says why it ended.
+    world.steps(200);
+    let snapshot = world.snapshot();
+    let done = snapshot.moves.last().expect("a move");
+    assert!(done.interrupted);
+    assert_eq!(done.ended, Some(MoveEnd::Fault));
+    assert_eq!(done.fault.as_deref(), Some(&*view.reason));
     last.position
 }
 

@@ -120,6 +120,11 @@ impl SampledTrajectory {
     /// rate the move may brake between two of them. Allocates.
     pub fn at_rate(&self, ramp: &RateRamp, limits: &[Limits]) -> Option<Self> {
         let (period, end) = (self.period(), self.duration());
+        // After the ramp alone: not known only once so many samples are made.
+        let steady = (end - ramp.after(ramp.duration).time) / ramp.to;
+        if steady > crate::MAX_SAMPLES as f64 * period {
+            return None;
+        }
         let mut axes = vec![Vec::new(); self.degrees_of_freedom()];
         let mut place = ramp.from;
         for index in 0.. {

@@ -22,7 +22,7 @@ pub use modes::{JointMap, KnownMode, LearningView, MapMove, MapPoint, ModeMap};
 pub use recording::RecordingNews;
 pub use request::{Accepted, Begun, ModeValue, Request, ShapingChange, Stopping, Target};
 pub use snapshot::{
-    EstimateView, JointSnapshot, LinkHealth, MoveResult, Phase, SensorView, Snapshot,
+    EstimateView, JointSnapshot, LinkHealth, MoveEnd, MoveResult, Phase, SensorView, Snapshot,
     TickStatistics, TrainView, WatchdogState,
 };
 pub use stream::{Batch, Event, Frame, Measured, MoveStart, Quantity, TickRow};

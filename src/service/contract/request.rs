@@ -46,7 +46,7 @@ pub enum Request {
         /// Number of the hold, another one for each press of a button.
         hold: u64,
     },
-    /// Plan moves from now on at a share of full speed, 0 to 1. What moves goes on as planned, but at 0 it stops.
+    /// Move at a share of full speed, 0.01 to 1, or 0. What moves follows it; at 0 it stops.
     Feed {
         /// The share.
         share: f64,

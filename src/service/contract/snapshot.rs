@@ -267,6 +267,21 @@ pub struct LinkHealth {
     pub clock_offset_s: Option<f64>,
 }
 
+/// Why a move ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MoveEnd {
+    /// It went to its target.
+    #[default]
+    Target,
+    /// Another move took over before its end.
+    Replaced,
+    /// It was stopped: by a request, the end of a hold, the feed or the end of the service.
+    Stopped,
+    /// A fault stopped it.
+    Fault,
+}
+
 /// The result of a move.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MoveResult {
@@ -290,6 +305,12 @@ pub struct MoveResult {
     pub adaptive: bool,
     /// Whether it was stopped or given another target before its end.
     pub interrupted: bool,
+    /// Why it ended; absent in the file of an earlier version.
+    #[serde(default)]
+    pub ended: Option<MoveEnd>,
+    /// The fault that ended it, in a sentence.
+    #[serde(default)]
+    pub fault: Option<String>,
     /// Mode of the train in force at its end.
     pub mode: Option<ModeValue>,
     /// Payload as it was declared, kg.
@@ -312,8 +333,9 @@ pub struct MoveResult {
     pub unshaped_vibration_rad: Option<f64>,
     /// The same along the tip's arc, m.
     pub unshaped_vibration_m: Option<f64>,
-    /// One standard deviation of `unshaped_rad` and `unshaped_vibration_rad` of a shaped move, rad. Where two of them are as much
-    /// as the value, nothing is known of that. Absent where the modes do not explain the move.
+    /// One standard deviation of `unshaped_rad` and `unshaped_vibration_rad` of a shaped move, rad, from the modes: both hold for
+    /// a motor side that follows exactly, and how it follows is not in it. Where two of them are as much as the value, nothing is
+    /// known of that. Absent where the modes do not explain the move.
     pub unshaped_std_rad: Option<f64>,
     /// The modes known on its way when it had ended.
     #[serde(default)]

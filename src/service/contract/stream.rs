@@ -9,6 +9,8 @@ use super::MoveResult;
 pub struct Batch {
     /// Counted up by 1; a gap shows a slow reader what it lost.
     pub number: u64,
+    /// When it ended, s on the service's clock. It has no row where no joint is commanded.
+    pub time: f64,
     /// One row for each tick and joint, in order of time.
     pub ticks: Vec<TickRow>,
     /// Measurements, in order of arrival.

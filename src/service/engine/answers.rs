@@ -10,7 +10,7 @@ use super::pacing::Pacing;
 use super::running::Running;
 use crate::controller::LoadError;
 use crate::recording::to_resolution;
-use crate::service::contract::{Accepted, Event as Told, MoveStart, ServiceError};
+use crate::service::contract::{Accepted, Event as Told, MoveEnd, MoveStart, ServiceError};
 use crate::service::tick::{NotTaken, Plan, Start, Taken};
 
 /// The furthest ahead that a plan in motion begins, s.
@@ -87,8 +87,7 @@ impl Engine {
             (What::Stop, Some(running)) => {
                 (running.plan, running.ticket) = (ordered.samples.clone(), ordered.ticket);
                 (running.tick, running.first) = (taken.tick, taken.first);
-                running.stopping = running.settled.is_none();
-                running.interrupted |= running.stopping;
+                running.stop();
             }
             (What::Stop, None) => {}
             (What::Move { .. }, _) => self.begin_move(index, &ordered, taken, from),
@@ -177,7 +176,8 @@ impl Engine {
             adaptive: joint.adaptation && asked.shaper.is_some(),
             payload: self.payload,
             stopping: false,
-            interrupted: false,
+            ends: MoveEnd::Target,
+            fault: None,
             settled: None,
             planned: Vec::new(),
             after: Vec::new(),

@@ -4,6 +4,7 @@ use quell_shapers::Setpoint;
 
 use super::joint::Hearing;
 use super::{Engine, controller};
+use crate::service::contract::MoveEnd;
 use crate::service::following::{FOLLOWED, MOVED};
 use crate::service::tick::ToTick;
 
@@ -77,6 +78,15 @@ impl Engine {
             joint.hearing = Hearing::Heard;
             self.rings.orders.push(ToTick::Resume(index));
         }
+    }
+
+    /// Handles a joint whose command would have left its range. The tick brakes it. It is commanded again from where
+    /// it stands.
+    pub(super) fn left(&mut self, index: usize) {
+        if let Some(running) = &mut self.joints[index].running {
+            running.interrupt(MoveEnd::Fault);
+        }
+        self.cease(index);
     }
 
     /// Stops commanding a joint until it stands still.

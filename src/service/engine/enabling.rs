@@ -206,6 +206,13 @@ impl Engine {
             faults: self.enabling.view.faults + 1,
         };
         self.enabling.permit += 1;
+        let runs = self
+            .joints
+            .iter_mut()
+            .filter_map(|joint| joint.running.as_mut());
+        for running in runs.filter(|running| running.settled.is_none()) {
+            running.fault.get_or_insert_with(|| reason.clone());
+        }
         tracing::error!("fault: {reason}; stopped, and no move begins until it is reset");
         self.stop_all(&ServiceError::Faulted { reason });
         self.publish();

@@ -17,6 +17,10 @@ use super::running::Running;
 use crate::service::contract::{Accepted, ServiceError};
 use crate::service::tick::{NotTaken, Plan, Start, Taken, ToTick, Together};
 
+/// The least feed other than 0. The engine makes a sample for each control period of a plan, 1 / feed times as many as at
+/// full speed, and a stop waits for it meanwhile.
+const LEAST: f64 = 0.01;
+
 /// A joint whose rate is to be changed.
 struct Member<'a> {
     index: usize,
@@ -32,13 +36,13 @@ struct Member<'a> {
 }
 
 impl Engine {
-    /// Changes the share of full speed (0 to 1). At 0 all motion is stopped.
+    /// Changes the share of full speed (0, or 0.01 to 1). At 0 all motion is stopped.
     pub(super) fn change_feed(&mut self, share: f64) -> Result<Accepted, ServiceError> {
-        if !(0.0..=1.0).contains(&share) {
+        if share != 0.0 && !(LEAST..=1.0).contains(&share) {
             return Err(ServiceError::Value {
                 what: "the feed as a share",
                 value: share,
-                rule: "from 0 to 1",
+                rule: "0, or from 0.01 to 1",
             });
         }
         self.feed = share;

@@ -35,7 +35,7 @@ impl Engine {
     /// Has a finished move judged and learned from before its result is published. A move without samples is
     /// published at once.
     pub(super) fn have_judged(&mut self, index: usize, running: Running, result: MoveResult) {
-        if running.interrupted || running.frozen || running.heard.is_empty() {
+        if running.is_interrupted() || running.frozen || running.heard.is_empty() {
             return self.tell(result);
         }
         let joint = &self.joints[index];

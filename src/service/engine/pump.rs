@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{BATCH, Engine};
-use crate::service::contract::{Batch, Measured, Quantity};
+use crate::service::contract::{Batch, Measured, MoveEnd, Quantity};
 use crate::service::ringing::rings_for;
 use crate::service::state::LearnedMode;
 use crate::service::tick::{Event, JointReport, Record};
@@ -99,8 +99,7 @@ impl Engine {
             Event::NotTaken(plan, why) => self.not_taken(&plan, why),
             Event::Settled(index, id, time) => self.settled(index, id, time),
             Event::Tripped(trip) => self.tripped(trip),
-            // The tick brakes it. It is commanded again from where it stands.
-            Event::Left(index) => self.cease(index),
+            Event::Left(index) => self.left(index),
             Event::Lost(index) => self.lost(index),
             Event::Back(index, position) => self.back(index, position),
             Event::Train(order, answer) => self.train_answered(&order, &answer),
@@ -190,7 +189,7 @@ impl Engine {
         let Some(running) = joint.running.as_mut() else {
             return;
         };
-        running.interrupted |= running.settled.is_none();
+        running.interrupt(MoveEnd::Replaced);
         let settled = running.settled.is_some();
         // A shaper for one move ends with the move.
         joint.train_due |= running.start.shaper != own;
@@ -216,12 +215,12 @@ impl Engine {
 
     /// Sends the batch.
     pub(super) fn flush(&mut self, now: f64) {
-        self.batch_since = now;
+        (self.batch_since, self.batch.time) = (now, now);
         let next = Batch {
             number: self.batch.number + 1,
             ticks: Vec::with_capacity(self.batch.ticks.len()),
             measured: Vec::with_capacity(self.batch.measured.len()),
-            events: Vec::new(),
+            ..Batch::default()
         };
         let batch = std::mem::replace(&mut self.batch, next);
         // There may be no reader.

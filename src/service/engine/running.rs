@@ -8,7 +8,7 @@ use super::learned::WITHIN;
 use super::pacing::Pacing;
 use crate::controller::setpoint;
 use crate::estimators::Sample;
-use crate::service::contract::{MoveResult, MoveStart, TickRow};
+use crate::service::contract::{MoveEnd, MoveResult, MoveStart, TickRow};
 use crate::service::following::FOLLOWED;
 use crate::service::ringing;
 
@@ -50,8 +50,10 @@ pub struct Running {
     pub payload: Option<f64>,
     /// Whether it is being stopped.
     pub stopping: bool,
-    /// Whether it was stopped or given another target.
-    pub interrupted: bool,
+    /// Why it ends: at its target, unless something interrupts it.
+    pub ends: MoveEnd,
+    /// The fault that is to stop it, in a sentence.
+    pub fault: Option<String>,
     /// Time at which its command stopped, s.
     pub settled: Option<f64>,
     /// Planned positions, one for each tick.
@@ -115,6 +117,27 @@ impl Running {
     pub fn target(&self) -> f64 {
         let last = self.plan.positions(0).last();
         last.copied().unwrap_or(self.start.target_rad)
+    }
+
+    /// Whether it does not end at its target.
+    pub fn is_interrupted(&self) -> bool {
+        self.ends != MoveEnd::Target
+    }
+
+    /// A plan that is not its own takes over. The first reason counts.
+    pub fn interrupt(&mut self, why: MoveEnd) {
+        if self.settled.is_none() && !self.is_interrupted() {
+            self.ends = why;
+        }
+    }
+
+    /// It is brought to rest: for its fault, if there is one, else on request.
+    pub fn stop(&mut self) {
+        self.stopping = self.settled.is_none();
+        self.interrupt(match self.fault {
+            Some(_) => MoveEnd::Fault,
+            None => MoveEnd::Stopped,
+        });
     }
 
     /// Takes command and measurement of a tick.
@@ -199,7 +222,9 @@ impl Running {
             shaper: self.start.shaper.clone(),
             shaped: self.shaped,
             adaptive: self.adaptive,
-            interrupted: self.interrupted,
+            interrupted: self.is_interrupted(),
+            ended: Some(self.ends),
+            fault: self.fault.clone().filter(|_| self.ends == MoveEnd::Fault),
             mode: Some(mode.into()),
             payload_kg: self.payload,
             residual_rad: residual,

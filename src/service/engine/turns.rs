@@ -53,7 +53,7 @@ impl Engine {
             learning.modes == 0 && learning.turn.is_none() && now > learning.looked + period;
         let Some(running) = joint.running.as_ref().filter(|running| {
             let own = running.start.shaper == name_of(joint.standing_shaper());
-            let goes_on = running.settled.is_none() && !running.interrupted && !running.frozen;
+            let goes_on = running.settled.is_none() && !running.is_interrupted() && !running.frozen;
             own && goes_on && running.adaptive && joint.adaptation
         }) else {
             return;

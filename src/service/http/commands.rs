@@ -68,7 +68,7 @@ pub struct Jogged {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Feed {
-    /// Share of full speed, percent, 0 to 100.
+    /// Share of full speed, percent: 0, which stops all motion, or 1 to 100.
     percent: f64,
 }
 
@@ -173,8 +173,11 @@ pub async fn jog(State(app): State<Arc<App>>, Json(body): Json<Jogged>) -> Answe
 
 /// `POST /api/v1/feed`.
 pub async fn feed(State(app): State<Arc<App>>, Json(body): Json<Feed>) -> Answered {
-    if !(0.0..=100.0).contains(&body.percent) {
-        let sentence = format!("percent is {}, it must be from 0 to 100", body.percent);
+    if body.percent != 0.0 && !(1.0..=100.0).contains(&body.percent) {
+        let sentence = format!(
+            "percent is {}, it must be 0, or from 1 to 100",
+            body.percent
+        );
         return Err(Refused::value(sentence));
     }
     let share = body.percent / 100.0;

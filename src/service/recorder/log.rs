@@ -106,6 +106,12 @@ impl Log {
         self.command.time.len() >= MOST_ROWS
     }
 
+    /// Whether the command does not stand still.
+    pub fn is_moving(&self) -> bool {
+        let last = self.command.state.last();
+        last.is_some_and(|[_, velocity, acceleration]| *velocity != 0.0 || *acceleration != 0.0)
+    }
+
     /// From the first to the last command, s.
     pub fn duration(&self) -> f64 {
         match (self.command.time.first(), self.command.time.last()) {
@@ -158,7 +164,14 @@ impl Log {
         epoch: f64,
     ) -> Result<(), RecordingError> {
         let mut file = self.begin_mcap(file, path, joint, epoch)?;
-        self.write_on(&mut self.nothing_written(), &mut file, joint)?;
+        let mut written = self.nothing_written();
+        self.write_on(&mut written, &mut file, joint)?;
+        // What came after the last command: all of it where a joint is not commanded any more.
+        let clocks = (written.origin, written.behind);
+        for (sensor, next) in self.sensors.iter().zip(written.samples) {
+            (next..sensor.time.len())
+                .try_for_each(|index| sensor.write(index, &mut file, joint, clocks))?;
+        }
         file.finish()
     }
 

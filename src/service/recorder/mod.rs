@@ -15,7 +15,9 @@ use tokio::sync::{mpsc, oneshot};
 
 use super::contract::Handle;
 use demand::Demand;
-pub use shelf::{About, Archive, Bounds, Draft, Entry, Shelf, ShelfError, name_of_move};
+pub use shelf::{
+    About, Archive, Bounds, Draft, Entry, RecordingEnd, Shelf, ShelfError, name_of_move,
+};
 use task::Task;
 
 /// The whole recording as one file in the profile of ROS 2, besides manifest and CSV.

@@ -9,14 +9,15 @@ use tokio::sync::{broadcast, mpsc};
 use super::demand::Demand;
 use super::log::Log;
 use super::running::{Running, write_down};
-use super::{About, RecordError, Shelf, ShelfError, shelf};
+use super::{About, RecordError, RecordingEnd, Shelf, ShelfError, shelf};
 use crate::service::contract::{
     Batch, DiskPart, Event, Handle, MoveResult, MoveStart, RecordingNews,
 };
 
 /// Rest before a move that is recorded with it, s, for the measurement of the noise.
 const BEFORE: f64 = 1.0;
-/// Rest after it, s, for the damping of the residual vibration. Another move ends it at once.
+/// Rest after it, s, for the damping of the residual vibration. Another move ends it at once. A joint whose command would
+/// have left its range still brakes when its move has ended.
 const AFTER: f64 = 1.0;
 /// Interval of writing, s: the loss by a kill. It equals the interval at which the file closes its chunks.
 const EVERY: f64 = 0.25;
@@ -74,7 +75,7 @@ impl Task {
                         let _ = reply.send(self.begin(joint, index).await);
                     }
                     Demand::End { reply } => {
-                        let _ = reply.send(self.end().await);
+                        let _ = reply.send(self.end(RecordingEnd::Request).await);
                     }
                     Demand::Close { reply } => {
                         while let Ok(batch) = stream.try_recv() {
@@ -102,7 +103,11 @@ impl Task {
             one.log.take(&batch);
             one.know(&snapshot);
         }
-        let now = last_time(&batch);
+        let now = batch.time;
+        let brakes = |one: &&mut Running| one.about.result.is_some() && one.log.is_moving();
+        for one in self.running.iter_mut().filter(brakes) {
+            one.until = now + AFTER;
+        }
         for event in &batch.events {
             if let Event::MoveEnded(result) = event {
                 self.ended(result, now);
@@ -119,16 +124,16 @@ impl Task {
         if self.running.iter().any(full) {
             tracing::warn!("a recording on demand has reached its longest and ends");
             // It exists, and `put` reports errors of the disk.
-            let _ = self.end().await;
+            let _ = self.end(RecordingEnd::Longest).await;
         }
         self.remember(batch);
     }
 
     /// Keeps the batch as long as a move that includes it could begin.
     fn remember(&mut self, batch: Arc<Batch>) {
-        let now = last_time(&batch);
+        let now = batch.time;
         self.before.push_back(batch);
-        let old = |first: &Arc<Batch>| last_time(first) < now - BEFORE;
+        let old = |first: &Arc<Batch>| first.time < now - BEFORE;
         while self.before.front().is_some_and(old) {
             self.before.pop_front();
         }
@@ -140,14 +145,18 @@ impl Task {
         while let Some(index) = self.running.iter().position(ended) {
             let running = self.running.remove(index);
             // `put` reports errors.
-            let _ = self.put(running).await;
+            let _ = self.put(running, RecordingEnd::Move).await;
         }
     }
 
     async fn put_all(&mut self) {
         while let Some(running) = self.running.pop() {
+            let end = match running.about.result {
+                Some(_) => RecordingEnd::Move,
+                None => RecordingEnd::Service,
+            };
             // `put` reports errors.
-            let _ = self.put(running).await;
+            let _ = self.put(running, end).await;
         }
     }
 
@@ -172,13 +181,16 @@ impl Task {
     }
 
     fn ended(&mut self, result: &MoveResult, now: f64) {
+        let joint = &result.joint;
+        // The move that took over has a recording of its own.
+        let newer = |one: &Running| one.about.joint == *joint && one.id > Some(result.id);
+        let taken_over = self.running.iter().any(newer);
         let ended = |one: &&mut Running| one.id == Some(result.id) && one.about.result.is_none();
         if let Some(running) = self.running.iter_mut().find(ended) {
             running.about.result = Some(result.clone());
             // The result is written before the recording is complete.
             running.described = false;
-            // The move that interrupted it has a recording of its own.
-            running.until = if result.interrupted { now } else { now + AFTER };
+            running.until = if taken_over { now } else { now + AFTER };
         }
     }
 
@@ -212,11 +224,11 @@ impl Task {
         Ok(name)
     }
 
-    async fn end(&mut self) -> Result<String, RecordError> {
+    async fn end(&mut self, why: RecordingEnd) -> Result<String, RecordError> {
         let index = self.running.iter().position(|one| one.id.is_none());
         let running = self.running.remove(index.ok_or(RecordError::NotRunning)?);
         let name = running.name.clone();
-        let kept = self.put(running).await;
+        let kept = self.put(running, why).await;
         kept.map_err(|reason| RecordError::NotKept { name, reason })
     }
 
@@ -232,7 +244,7 @@ impl Task {
     }
 
     /// Stores a recording on the shelf, and reports its name there, or the error.
-    async fn put(&mut self, mut running: Running) -> Result<String, String> {
+    async fn put(&mut self, mut running: Running, why: RecordingEnd) -> Result<String, String> {
         let snapshot = self.handle.snapshot();
         let joint = snapshot
             .joints
@@ -241,6 +253,7 @@ impl Task {
         running.about.mode = joint.and_then(|joint| joint.mode);
         running.about.payload_kg = snapshot.payload_kg;
         running.about.duration_s = running.log.duration();
+        running.about.ended = why;
         let epoch = self.epoch();
         // Before the file is written again.
         running.journal = None;
@@ -341,9 +354,4 @@ impl Task {
         let failed = |error| format!("the recorder's work on the disk failed: {error}");
         done.map_err(failed)?.map_err(|error| error.to_string())
     }
-}
-
-fn last_time(batch: &Batch) -> f64 {
-    let last = batch.ticks.last();
-    last.map_or(f64::NEG_INFINITY, |row| row.time)
 }

@@ -73,11 +73,13 @@ impl Tick {
     /// Closes the gate for a command that leads beyond the range of a joint.
     pub(super) fn tell_left(&mut self, index: usize) {
         if let Some(position) = self.joints[index].take_left() {
-            self.tell(Event::Left(index));
             self.gate.trip(Trip {
                 joint: Some(index),
                 cause: Cause::Range(position),
             });
+            // First the reason: the move that it ends has it.
+            self.tell_trip();
+            self.tell(Event::Left(index));
         }
     }
 }

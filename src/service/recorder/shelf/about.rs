@@ -14,6 +14,23 @@ pub const ABOUT: &str = "about.json";
 /// The longest name, bytes: file systems take 255, and prefixes and suffixes are added.
 const LONGEST_NAME: usize = 128;
 
+/// Why a recording ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RecordingEnd {
+    /// It did not end: the service was killed, or the disk took no more. Or an earlier version made it.
+    #[default]
+    Cut,
+    /// Its move has ended, for the reason in `result`.
+    Move,
+    /// Somebody has ended the recording on demand.
+    Request,
+    /// It was as long as a recording on demand may be.
+    Longest,
+    /// The service has ended.
+    Service,
+}
+
 /// The subject of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
@@ -33,6 +50,8 @@ pub struct About {
     pub payload_kg: Option<f64>,
     /// The result of the move; absent where the recording was made on demand, or the service was killed.
     pub result: Option<MoveResult>,
+    /// Why it ended.
+    pub ended: RecordingEnd,
     /// Batches that were lost while it was made.
     pub batches_lost: u64,
 }

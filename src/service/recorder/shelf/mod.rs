@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use thiserror::Error;
 
 use about::{ABOUT, is_name};
-pub use about::{About, Entry, name_of};
+pub use about::{About, Entry, RecordingEnd, name_of};
 pub use archive::Archive;
 pub use draft::Draft;
 pub use tidy::Bounds;

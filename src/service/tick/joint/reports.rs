@@ -6,16 +6,16 @@ use crate::service::contract::{TickRow, WatchdogState};
 use crate::service::tick::messages::{AxisReport, JointReport};
 
 impl JointTick {
-    /// The joint at this tick, for the stream.
+    /// The joint at this tick, for the stream, if it is commanded or brakes. A brake is its own plan.
     pub fn row(&self, time: f64) -> Option<TickRow> {
-        let controller = self.controller.as_deref()?;
-        let status = controller.axis().status();
-        let deformation = status.deformation;
-        let estimate = self.learned;
+        let controller = self.controller.as_deref();
+        (controller.is_some() || self.reach.is_braking()).then_some(())?;
+        let deformation = controller.and_then(|one| one.axis().status().deformation);
+        let estimate = self.learned.filter(|_| controller.is_some());
         Some(TickRow {
             time,
             joint: self.index,
-            planned: controller.planned().position,
+            planned: controller.map_or(self.sent, Controller::planned).position,
             position: self.sent.position,
             velocity: self.sent.velocity,
             acceleration: self.sent.acceleration,
