@@ -18,7 +18,7 @@ export function share(move) {
   if (left === null || !(most > 0)) return { percent: "–", note: "not known: its modes are not known well enough" };
   const percent = (of) => number((100 * left) / of, 2);
   const [low, high] = [percent(without + 2 * (std ?? 0)), percent(most)];
-  return { percent: percent(without), note: `of the estimated vibration without shaping${low === high ? "" : ` (${low} to ${high})`}` };
+  return { percent: percent(without), note: `of the estimated vibration without shaping${low === high ? "" : ` (${low} to ${high}, if the motor side follows exactly)`}` };
 }
 
 /** The bars of a move: what is drawn, in which colour, and words behind it. */

@@ -206,10 +206,9 @@ impl Learners {
         let ((jobs, taken), (told, said)) = (channel(), channel());
         let joints = pupils.into_iter().map(|mut pupil| {
             let mut learner = Learner::new(pupil.settings.clone());
-            if let Some(memory) = pupil.memory.take()
-                && !learner.remember(&memory)
-            {
-                tracing::warn!(joint = pupil.name, "the map that was kept is none");
+            if let Some(memory) = pupil.memory.take() {
+                // It was checked when the state was read.
+                learner.remember(&memory);
             }
             (learner, pupil)
         });

@@ -111,14 +111,38 @@ impl StateFile {
             Err(error) => return self.set_aside(&error.to_string()),
         };
         match serde_json::from_slice::<State>(&text) {
-            Ok(state) if state.version == VERSION => state,
+            Ok(state) if state.version == VERSION => self.with_valid_maps(state, &text),
             Ok(state) => self.set_aside(&format!("its version is {}", state.version)),
             Err(error) => self.set_aside(&error.to_string()),
         }
     }
 
+    /// A state without the maps that no learner takes. The file is kept beside the next states then.
+    fn with_valid_maps(&self, mut state: State, text: &[u8]) -> State {
+        let invalid = |map: &mut Memory| !map.is_valid();
+        let joints = state.joints.iter_mut();
+        let lost = joints.filter_map(|(name, joint)| joint.map.take_if(invalid).map(|_| name));
+        let lost: Vec<&str> = lost.map(String::as_str).collect();
+        if !lost.is_empty() {
+            let aside = self.aside();
+            let kept = match self.disk.write_whole(&aside, text) {
+                Ok(()) => format!("the file is kept as {}", aside.display()),
+                Err(error) => format!("the file cannot be kept: {error}"),
+            };
+            warn!(
+                "the map of {} is not valid and is forgotten; {kept}",
+                lost.join(", ")
+            );
+        }
+        state
+    }
+
+    fn aside(&self) -> PathBuf {
+        self.path.with_extension("json.damaged")
+    }
+
     fn set_aside(&self, reason: &str) -> State {
-        let aside = self.path.with_extension("json.damaged");
+        let aside = self.aside();
         let moved = self.disk.storage().rename(&self.path, &aside);
         let kept = match moved {
             Ok(()) => format!("set aside as {}", aside.display()),

@@ -3,6 +3,8 @@
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
+use quell::learning::Memory;
+use quell::service::state::{State, StateFile};
 use rustix::process::{Pid, Signal, kill_process};
 
 #[test]
@@ -36,10 +38,30 @@ fn a_signal_ends_it_with_success_and_its_state_is_kept() {
     }
     // A state that cannot be understood is set aside, and the service starts without it.
     std::fs::write(data.path().join("state.json"), "{\"version\":").expect("a file");
-    let file = quell::service::state::StateFile::within(
-        data.path(),
-        quell::service::disk::Disk::default(),
-    );
-    assert_eq!(file.load(), quell::service::state::State::default());
-    assert!(data.path().join("state.json.damaged").exists());
+    let file = StateFile::within(data.path(), quell::service::disk::Disk::default());
+    assert_eq!(file.load(), State::default());
+    let aside = data.path().join("state.json.damaged");
+    assert!(aside.exists());
+    // A map that no learner takes is forgotten, and kept beside; the rest of the state stays.
+    let mut state = State {
+        last_move: 7,
+        ..State::default()
+    };
+    let map = |unexplained| {
+        Some(Memory {
+            unexplained,
+            ..Memory::default()
+        })
+    };
+    for (name, unexplained) in [("joint_1", -1.0), ("joint_2", 0.5)] {
+        let joint = state.joints.entry(name.into()).or_default();
+        joint.map = map(unexplained);
+    }
+    file.save(&state).expect("saved");
+    let saved = std::fs::read(data.path().join("state.json")).expect("a state");
+    let loaded = file.load();
+    assert_eq!(loaded.last_move, 7);
+    assert_eq!(loaded.joints["joint_1"].map, None);
+    assert_eq!(loaded.joints["joint_2"].map, map(0.5));
+    assert_eq!(std::fs::read(aside).expect("the file"), saved);
 }

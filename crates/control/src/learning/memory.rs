@@ -65,6 +65,21 @@ pub struct MoveMemory {
     pub damping: [f64; 2],
 }
 
+impl Memory {
+    /// Whether a learner takes it: all numbers are finite, and no precision is negative.
+    pub fn is_valid(&self) -> bool {
+        self.maps().is_some()
+    }
+
+    fn maps(&self) -> Option<Vec<ModeMap>> {
+        let others = [&self.unexplained, &self.variance];
+        let mut numbers = self.outcomes.iter().chain(others);
+        let sound = numbers.all(|x| x.is_finite() && *x >= 0.0) && self.modes.len() <= MOST;
+        let maps = self.modes.iter().map(ModeMemory::map);
+        maps.collect::<Option<_>>().filter(|_| sound)
+    }
+}
+
 impl Learner {
     /// All that the learner knows.
     pub fn memory(&self) -> Memory {
@@ -84,11 +99,7 @@ impl Learner {
 
     /// Replaces the knowledge by a stored one. Returns false and changes nothing if it is not valid.
     pub fn remember(&mut self, memory: &Memory) -> bool {
-        let modes: Option<Vec<ModeMap>> = memory.modes.iter().map(ModeMemory::map).collect();
-        let others = [&memory.unexplained, &memory.variance];
-        let numbers = memory.outcomes.iter().chain(others);
-        let sound = numbers.clone().all(|x| x.is_finite() && *x >= 0.0);
-        let Some(modes) = modes.filter(|modes| sound && modes.len() <= MOST) else {
+        let Some(modes) = memory.maps() else {
             return false;
         };
         self.forget();
