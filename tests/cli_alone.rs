@@ -233,6 +233,73 @@ fn taps_on_three_axes_and_work_give_the_modes_too() {
     holds(&found, &[(11.3, 0.02)]);
 }
 
+/// Acceleration of modes (Hz, damping ratio, share) that a linear sweep from 4 to 110 Hz excites for 58.5 s: a force
+/// on the masses, or a base that moves. By Runge and Kutta's method.
+fn driven(modes: &[[f64; 3]], is_force: bool, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let (end, dt) = (58.5, 1.0 / RATE / 8.0);
+    let drive = |t: f64| {
+        let edge = (t / 0.2).min((end - t) / 0.2).clamp(0.0, 1.0);
+        5.0 * edge * (TAU * (4.0 * t + 106.0 / end * t * t / 2.0)).sin()
+    };
+    let mut all: Vec<f64> = (0..60_000).map(|_| 0.02 * noise(rng)).collect();
+    for [hertz, xi, share] in modes {
+        let w = TAU * hertz;
+        let (mut x, mut v) = (0.0, 0.0);
+        for (k, sum) in all.iter_mut().enumerate() {
+            let held = -w * w * x - 2.0 * xi * w * v;
+            let push = drive(k as f64 / RATE);
+            *sum += share * (held + if is_force { push } else { 0.0 });
+            for part in 0..8 {
+                let t = k as f64 / RATE + f64::from(part) * dt;
+                let a = |t: f64, x: f64, v: f64| drive(t) - w * w * x - 2.0 * xi * w * v;
+                let (k1, l1) = (v, a(t, x, v));
+                let middle = |k: f64, l: f64| {
+                    (
+                        v + 0.5 * dt * l,
+                        a(t + 0.5 * dt, x + 0.5 * dt * k, v + 0.5 * dt * l),
+                    )
+                };
+                let (k2, l2) = middle(k1, l1);
+                let (k3, l3) = middle(k2, l2);
+                let (k4, l4) = (v + dt * l3, a(t + dt, x + dt * k3, v + dt * l3));
+                x += dt / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+                v += dt / 6.0 * (l1 + 2.0 * l2 + 2.0 * l3 + l4);
+            }
+        }
+    }
+    all
+}
+
+/// Modes of either sign, near and far, heavily and lightly damped: none takes the part of another one.
+#[test]
+fn a_sweep_tells_all_modes_by_a_force_and_by_a_base() {
+    let mut rng = generator(7);
+    for (is_force, modes) in [
+        (true, &[[33.3, 0.03, 1.0], [71.0, 0.02, 0.5]][..]),
+        (true, &[[9.4, 0.06, 1.0]]),
+        (
+            true,
+            &[[12.6, 0.029, 0.5], [15.5, 0.0098, 0.5], [70.0, 0.013, -0.8]],
+        ),
+        (
+            false,
+            &[
+                [19.13, 0.0315, 0.73],
+                [58.64, 0.0118, 0.34],
+                [81.15, 0.0422, 0.97],
+            ],
+        ),
+    ] {
+        let found = identify("accel_m_s2", &[driven(modes, is_force, &mut rng)]);
+        assert!(
+            found["excitation"].as_str().unwrap().contains("sweep"),
+            "{found}"
+        );
+        let truth: Vec<(f64, f64)> = modes.iter().map(|mode| (mode[0], mode[1])).collect();
+        holds(&found, &truth);
+    }
+}
+
 #[test]
 fn a_position_alone_and_a_motor_that_stands_give_a_decay() {
     let mut rng = generator(4);

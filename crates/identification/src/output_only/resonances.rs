@@ -157,11 +157,22 @@ impl<'a> Problem<'a> {
         // Without a mode everything may be fitted as noise: the first mode starts with small noise and direct
         // term.
         let mut base = vec![0.1 * middle, noise, power];
+        // The modes as their peaks look, not yet fitted: a first mode that is fitted to several peaks is too broad
+        // to be a start for two.
+        let mut peaks = base.clone();
         let mut models: Vec<Minimum> = self.fit(&start).into_iter().collect();
         while let Some(last) = models.last()
             && models.len() <= MOST
         {
             let starts = STARTS.iter().flat_map(|ratio| self.with(&base, *ratio));
+            let misfit = |at: &Vec<f64>| {
+                self.residual(at)
+                    .map_or(f64::INFINITY, |r| r.norm_squared())
+            };
+            let looks = STARTS.iter().flat_map(|ratio| self.with(&peaks, *ratio));
+            let next = looks.min_by(|a, b| misfit(a).total_cmp(&misfit(b)));
+            peaks = next.unwrap_or(peaks);
+            let starts = starts.chain([peaks.clone()]);
             let fits = starts.filter_map(|start| self.fit(&start));
             let fits = fits.filter(|fit| self.are_distinct(&fit.at));
             let better = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -183,26 +194,37 @@ impl<'a> Problem<'a> {
         models
     }
 
-    /// The best of a model with several modes and of its refits with other powers, the last mode with either
-    /// sign; each mode's amplitude is kept at its own frequency.
+    /// The best of a model and of its refits with other powers, without a direct term (a moving base) and with the
+    /// one that leaves no acceleration at low frequency (a force), of several modes the last with either sign; each
+    /// mode's amplitude is kept at its own frequency.
     fn otherwise_excited(&self, model: Minimum) -> Minimum {
-        if !self.is_sweep || model.at.len() < SHARED + 2 * EACH {
+        if !self.is_sweep {
             return model;
         }
-        let under = |power: f64, sign: f64| {
+        let is_one = model.at.len() < SHARED + 2 * EACH;
+        let under = |power: f64, sign: f64, is_force: bool| {
             let mut start = model.at.clone();
             let change = 0.5 * (start[2].clamp(POWERS[0], POWERS[1]) - power);
-            (start[0], start[2]) = (0.0, power);
             for mode in start[SHARED..].chunks_exact_mut(EACH) {
                 mode[2] *= (mode[0].exp() / self.middle()).powf(change);
             }
             if let Some(last) = start[SHARED..].chunks_exact_mut(EACH).last() {
                 last[2] *= sign;
             }
+            let all: f64 = start[SHARED..].chunks_exact(EACH).map(|mode| mode[2]).sum();
+            (start[0], start[2]) = (if is_force { -all } else { 0.0 }, power);
             self.fit(&start)
         };
-        let signs = |power: &f64| [1.0, -1.0].map(|sign| under(*power, sign));
-        let others = EXCITATIONS.iter().flat_map(signs).flatten();
+        let signs = if is_one { &[1.0][..] } else { &[1.0, -1.0] };
+        let both =
+            |power: f64, sign: f64| [false, true].map(|is_force| under(power, sign, is_force));
+        let signed = |power: &f64| {
+            signs
+                .iter()
+                .flat_map(|sign| both(*power, *sign))
+                .collect::<Vec<_>>()
+        };
+        let others = EXCITATIONS.iter().flat_map(signed).flatten();
         let others = others.filter(|other| self.are_distinct(&other.at));
         let other = others.min_by(|a, b| a.cost.total_cmp(&b.cost));
         other
