@@ -147,10 +147,10 @@ fn nanoseconds(cell: &str) -> Option<i128> {
     Some(seconds * GIGA + i128::from(time.nanosecond.unwrap_or(0)))
 }
 
-/// A stamp with dashes in its date, a point, two digits of an hour of the day's 24 and a colon in the time zone: in
-/// `2024/5/1 9:01:02,5 PM` and `+0200` they are not there.
+/// A stamp with dashes in its date, a point, two digits of each field, an hour of the day's 24 and a colon in the time
+/// zone: in `2024/5/1 9:01:02,5 PM` and `+0200` they are not there.
 fn plain(cell: &str) -> String {
-    let mut cell = cell.trim().replace(',', ".").replace('/', "-");
+    let mut cell = padded(&cell.trim().replace(',', "."));
     let half = ["AM", "PM"].iter().position(|half| {
         let at = cell.len().saturating_sub(2);
         cell.get(at..)
@@ -161,9 +161,6 @@ fn plain(cell: &str) -> String {
         cell.truncate(cell.trim_end().len());
     }
     let begins = cell.find(['T', ' ']).map_or(0, |at| at + 1);
-    if cell[begins..].find(':') == Some(1) {
-        cell.insert(begins, '0');
-    }
     if let Some(half) = half
         && let Some(hour) = cell.get(begins..begins + 2)
         && let Ok(hour) = hour.parse::<usize>()
@@ -180,6 +177,32 @@ fn plain(cell: &str) -> String {
         cell.insert(zone + 2, ':');
     }
     cell
+}
+
+/// `2024-05-01 09:01:02.5` of `2024/5/1 9:1:2.5` or `2024.5.1 9:1:2.5`: a field of one digit gets a second one.
+fn padded(cell: &str) -> String {
+    let begins = cell.find(['T', ' ']).map_or(0, |at| at + 1);
+    let (date, time) = cell.split_at(begins);
+    let mut text = String::with_capacity(cell.len() + 4);
+    for field in date
+        .replace(['/', '.'], "-")
+        .split_inclusive(['-', 'T', ' '])
+    {
+        add_field(&mut text, field);
+    }
+    for field in time.split_inclusive(':') {
+        add_field(&mut text, field);
+    }
+    text
+}
+
+/// Adds a field with its separator, with two digits at least.
+fn add_field(text: &mut String, field: &str) {
+    let digits = field.bytes().take_while(u8::is_ascii_digit).count();
+    if digits == 1 {
+        text.push('0');
+    }
+    text.push_str(field);
 }
 
 /// `2024-05-01 12:00:00,250` of `01.05.2024 12:00:00,250` or `1/5/24 12:00:00,250`, or with the month first; a year of
@@ -252,6 +275,8 @@ mod tests {
             (TimeUnit::DayFirst, "03.13.2024 12:01:02", None),
             (TimeUnit::DayFirst, "2024-05-03 12:01:02", None),
             (TimeUnit::Iso, "2024/05/03 12:01:02.25", day(43_262.25)),
+            (TimeUnit::Iso, "2024-5-3 9:01:02.25", day(32_462.25)),
+            (TimeUnit::Iso, "2024.5.3 9:1:2", day(32_462.0)),
             (TimeUnit::DayFirst, "03/05/2024 12:01:02", day(43_262.0)),
             (
                 TimeUnit::MonthFirst,
