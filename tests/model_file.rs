@@ -157,7 +157,7 @@ fn what_is_wrong_is_refused_with_file_line_and_key() {
         ("kind = 3".into(), &["m.toml:1: kind: a string is wanted, not a value of type integer"]),
         ("\nkind = \"flexible_joynt\"".into(), &["m.toml:2: kind:", "did you mean \"flexible_joint\"?"]),
         ("kind = \"xyz\"".into(), &["known: flexible_joint, rigid_axis"]),
-        ("kind = \"flexible_joint\"".into(), &["m.toml:1: natural_frequency_hz: is missing"]),
+        ("kind = \"flexible_joint\"".into(), &["m.toml:1: natural_frequency_hz: is missing; flexible_joint needs natural_frequency_hz = a number, damping_ratio"]),
         ("kind = \"oscillator\"\nstifness = 1".into(), &["m.toml:2: stifness: is no key here"]),
         (format!("{joint}dampng_ratio = 3"), &["m.toml:4: dampng_ratio: is no key here; did you mean \"damping_ratio\"?"]),
         (format!("{joint}lever_arm_m = \"1\""), &["m.toml:4: lever_arm_m: a number is wanted"]),

@@ -84,11 +84,10 @@ def _mat(path: Path) -> dict[str, Any]:
     import scipy.io
 
     io: Any = scipy.io
-    try:
-        content = io.loadmat(path, squeeze_me=True, struct_as_record=True)
-    except NotImplementedError:
-        # v7.3 is HDF5.
+    # v7.3 is HDF5 behind a block of 512 bytes, in which not all that write it put MATLAB's words.
+    if _is_hdf5(path):
         return _hdf5(path)
+    content = io.loadmat(path, squeeze_me=True, struct_as_record=True)
     variables: dict[str, Any] = {}
     for name, value in content.items():
         if not name.startswith("__"):
@@ -105,6 +104,13 @@ def _flatten(name: str, value: Any, variables: dict[str, Any]) -> None:
             _flatten(f"{name}.{field}", held.item() if held.ndim == 0 else held, variables)
     elif np.issubdtype(array.dtype, np.number):
         variables[name] = np.squeeze(array)
+
+
+def _is_hdf5(path: Path) -> bool:
+    signature = b"\x89HDF\r\n\x1a\n"
+    with path.open("rb") as file:
+        head = file.read(512 + len(signature))
+    return head.startswith(signature) or head[512:] == signature
 
 
 def _hdf5(path: Path) -> dict[str, Any]:

@@ -136,7 +136,7 @@ impl Model {
                 }
                 (Some(entry), _) => value(&source, &entry, key.range)?,
                 (None, Some(default)) => default.into(),
-                (None, None) => return Err(table.missing(key.name)),
+                (None, None) => return Err(table.needed(key.name, kind)),
             });
         }
         for table in effects {

@@ -2,7 +2,7 @@
 
 use super::course::Course;
 use super::dynamics::Dynamics;
-use quell_recording::{Channel, Recording, Role, nearest};
+use quell_recording::{Channel, Recording, Role, one_of};
 use quell_signal::{JointKind, SignalError};
 
 /// Why a recording does not suit a description.
@@ -17,12 +17,16 @@ pub enum RobotError {
         recording: String,
     },
     /// A joint that the description does not have.
-    #[error("the robot's description has no joint \"{joint}\"{}", .nearest.as_ref().map_or(String::new(), |name| format!("; did you mean \"{name}\"?")))]
+    #[error(
+        "joint \"{joint}\" of \"{recording}\" is not in the robot's description: joint must be {rule}"
+    )]
     NoSuchJoint {
         /// The joint.
         joint: String,
-        /// What was perhaps meant.
-        nearest: Option<String>,
+        /// Name of the recording.
+        recording: String,
+        /// The joints of the description, and what was perhaps meant.
+        rule: String,
     },
     /// A joint without a position.
     #[error(
@@ -91,7 +95,7 @@ impl Robot {
                 .channels
                 .iter_mut()
                 .for_each(Channel::unwrap_turns);
-            let index = index(&dynamics, &name)?;
+            let index = index(&dynamics, &name, &recording.name)?;
             courses[index] = course(&recording, &name, dynamics.joints()[index].kind)?;
             joints.push(Joint {
                 name,
@@ -135,16 +139,13 @@ impl Robot {
     }
 }
 
-fn index(dynamics: &Dynamics, name: &str) -> Result<usize, RobotError> {
-    let names: Vec<&str> = dynamics
-        .joints()
-        .iter()
-        .map(|joint| joint.name.as_str())
-        .collect();
-    let found = names.iter().position(|own| *own == name);
+fn index(dynamics: &Dynamics, name: &str, recording: &str) -> Result<usize, RobotError> {
+    let names = dynamics.joints().iter().map(|joint| joint.name.as_str());
+    let found = names.clone().position(|own| own == name);
     found.ok_or_else(|| RobotError::NoSuchJoint {
-        nearest: nearest(name, names.iter().copied()).map(Into::into),
         joint: name.into(),
+        recording: recording.into(),
+        rule: one_of(name, names),
     })
 }
 

@@ -93,7 +93,8 @@ pub fn refuse_rigid(recording: &Recording) -> Result<(), CliError> {
     let refused = |input: Role| {
         CliError::input(format!(
             "{}: {input} is what drives the motor side, and no channel tells how a link vibrates. Record \
-             link_position, deformation or tip_acceleration beside it; or compare the axis with a model of it: \
+             link_position, deformation or tip_acceleration beside it; or compare the axis with a model of it, \
+             MODEL.toml with the lines kind = \"rigid_axis\" and mass = a number (inertia, where it turns): \
              quell diagnose --model MODEL.toml",
             recording.name
         ))

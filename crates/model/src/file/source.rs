@@ -1,6 +1,7 @@
 //! The text of a model file, with its tables, entries and their lines.
 
 use super::ModelError;
+use crate::Kind;
 use quell_recording::{SyntaxError, nearest};
 use std::path::Path;
 use toml::Spanned;
@@ -98,6 +99,16 @@ impl<'s> Table<'s> {
     /// The error of a missing required key.
     pub fn missing(&self, key: &str) -> ModelError {
         self.source.refuse(self.start, key, "is missing".into())
+    }
+
+    /// The error of a missing key of a kind, with all that the kind needs.
+    pub fn needed(&self, key: &str, kind: &Kind) -> ModelError {
+        let needed = kind.keys.iter().filter(|key| key.default.is_none());
+        let names: Vec<_> = needed
+            .map(|key| format!("{} = a number", key.name))
+            .collect();
+        let reason = format!("is missing; {} needs {}", kind.name, names.join(", "));
+        self.source.refuse(self.start, key, reason)
     }
 
     /// Refuses the first entry that was not taken.

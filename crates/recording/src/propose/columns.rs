@@ -72,7 +72,7 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
             channel.unit = unit(content, channel);
         }
     }
-    channels.alone();
+    channels.alone(content);
     channels.open.extend(content.columns.iter().filter_map(bad));
     if channels.found.is_empty() {
         let rest = channels.unused.iter().take(MOST_ASKED);
@@ -156,7 +156,7 @@ impl Channels {
     }
 
     /// Handles guesses that matter. A tip sensor has three axes; with fewer it is a deflection.
-    fn alone(&mut self) {
+    fn alone(&mut self, content: &Content) {
         for channel in &mut self.found {
             if channel.role.value == Role::TipPosition && channel.columns.len() != 3 {
                 channel.role = Guess::guessed(Role::Deformation, "fewer than three axes of a tip");
@@ -170,16 +170,25 @@ impl Channels {
             }
             return;
         }
-        let guessed = self
-            .found
-            .iter()
-            .filter(|channel| channel.role.why.is_some());
-        let mut words: Vec<_> = guessed
-            .map(|channel| format!("whether it is a {}", channel.role.value))
-            .collect();
         // Of several joints the roles are the same.
-        words.sort();
-        words.dedup();
+        let mut guessed: Vec<(Role, Vec<&str>)> = Vec::new();
+        for channel in self.found.iter().filter(|found| found.role.why.is_some()) {
+            let (role, title) = (
+                channel.role.value,
+                &content.columns[channel.columns[0]].title,
+            );
+            match guessed.iter_mut().find(|(other, _)| *other == role) {
+                Some((_, titles)) => titles.push(title),
+                None => guessed.push((role, vec![title])),
+            }
+        }
+        let words = guessed.iter().map(|(role, titles)| match &**titles {
+            [first, _, ..] => format!(
+                "whether {first:?} is a {role}, and {} like it",
+                titles.len() - 1
+            ),
+            _ => format!("whether {:?} is a {role}", titles[0]),
+        });
         self.open.extend(words);
     }
 }
