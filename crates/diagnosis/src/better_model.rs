@@ -1,12 +1,11 @@
-//! The model that an explanation makes of the given one.
+//! The model that a fitted point makes of the given one.
 
-use super::explanation::Explanation;
+use super::point::Point;
 use quell_model::{Model, ModelEffect, Value};
 
 /// The given model plus those findings that belong to the machine, with their fitted parameters.
-pub fn better_model(model: &Model, explanation: &Explanation) -> Model {
+pub fn better_model(model: &Model, point: &Point) -> Model {
     let mut better = model.clone();
-    let point = &explanation.fitted.point;
     for (value, fitted) in better.values.iter_mut().zip(&point.keys) {
         value.value = *fitted;
     }

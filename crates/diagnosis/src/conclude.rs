@@ -79,8 +79,8 @@ pub fn conclude(
     };
     let scale = super::tracker_scale::tell(search, &mut diagnosis);
     let given = search.judge.model;
-    let refitted = better_model(given, &found.baseline);
-    let better = better_model(given, reported(verdict, found));
+    let refitted = better_model(given, &found.baseline.fitted.point);
+    let better = better_model(given, &reported(verdict, found).fitted.point);
     let better = match &scale {
         Some(scale) => scale.corrected(better),
         None => better,

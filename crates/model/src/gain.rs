@@ -2,7 +2,8 @@
 //!
 //! In slow motion a link follows its motor side except for its deformation: `y = g (u + a u'' + b u') +
 //! offset`. `g` by least squares converts the reading to the motor side's unit. Its remaining error is fitted
-//! with everything else: the motion is a column beside the offset.
+//! with everything else: the motion is a column beside the offset. A deformation says nothing of its gain without
+//! a model: there the prediction is the column.
 
 use super::regression::Regression;
 use quell_recording::{Channel, Recording, Role};
@@ -14,6 +15,8 @@ const RAW: &[&str] = &["count", "raw"];
 /// Conversion of the reading of a link to the motor side's unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gain {
+    /// What is read.
+    pub channel: Role,
     /// Reading of the sensor for a unit of the motor side.
     pub value: f64,
     /// Unit of the reading.
@@ -32,8 +35,7 @@ pub fn unify(recording: &mut Recording) -> Option<(Gain, Vec<f64>)> {
     let motor = of(&[Role::MotorPosition]).or_else(|| of(&[Role::CommandPosition]))?;
     let link = of(&[Role::LinkPosition])?;
     let [motor, link] = [motor, link].map(|index| &recording.channels[index]);
-    let raw = |own: &Channel| RAW.contains(&own.unit.as_str());
-    if !raw(motor) && !raw(link) {
+    if !is_raw(motor) && !is_raw(link) {
         return None;
     }
     let spline = CubicSpline::new(&motor.time, &motor.columns[0], End::NotAKnot).ok()?;
@@ -47,6 +49,7 @@ pub fn unify(recording: &mut Recording) -> Option<(Gain, Vec<f64>)> {
         at(CubicSpline::second_derivative),
     ];
     let gain = Gain {
+        channel: Role::LinkPosition,
         value: slope(&[&position, &slow[0], &slow[1]], &link.columns[0])?,
         unit: link.unit.clone(),
         of: motor.unit.clone(),
@@ -59,6 +62,32 @@ pub fn unify(recording: &mut Recording) -> Option<(Gain, Vec<f64>)> {
         }
     }
     Some((gain, position))
+}
+
+/// The gain of a deformation that is read in raw counts, or beside a motor side in raw counts, before a prediction
+/// tells it: 1, and the column of its error. The deformation gets the motor side's unit.
+pub fn of_deformation(recording: &mut Recording) -> Option<(Gain, Vec<f64>)> {
+    let motor = recording.channel(Role::MotorPosition);
+    let motor = motor.or_else(|| recording.channel(Role::CommandPosition))?;
+    let (is_unknown, of) = (is_raw(motor), motor.unit.clone());
+    let channels = &mut recording.channels;
+    let read = channels
+        .iter_mut()
+        .find(|own| own.role == Role::Deformation)?;
+    if !is_unknown && !is_raw(read) {
+        return None;
+    }
+    let gain = Gain {
+        channel: read.role,
+        value: 1.0,
+        unit: std::mem::replace(&mut read.unit, of.clone()),
+        of,
+    };
+    Some((gain, read.columns[0].clone()))
+}
+
+fn is_raw(channel: &Channel) -> bool {
+    RAW.contains(&channel.unit.as_str())
 }
 
 /// The slope of a reading over the first of some causes, fitted with an offset and the other causes; `None`

@@ -1,7 +1,7 @@
 //! From a recording to an experiment: which channel drives the model, and which ones it predicts.
 
 use super::chain::MotorSide;
-use super::experiment::Experiment;
+use super::experiment::{Experiment, Output};
 use super::gain;
 use super::known::{Equation, Known};
 use super::output::output;
@@ -24,6 +24,9 @@ pub(super) const LONGEST: f64 = 1.3;
 
 /// Largest share of the steps, or samples, that may remain for a reduction to be worth it.
 pub(super) const SPARED: f64 = 0.7;
+/// Standard deviations of a natural frequency's belief within which it is looked for, and the least relative step.
+const BELIEVED: f64 = 3.0;
+const FINEST: f64 = 0.005;
 
 impl Experiment {
     /// The recording as the model sees it; the grid is fine enough for the believed mode.
@@ -44,8 +47,11 @@ impl Experiment {
             .channels
             .iter_mut()
             .for_each(Channel::unwrap_turns);
-        let mut gain = gain::unify(&mut recording);
         let input = Self::input(model, &recording)?;
+        let mut gain = gain::unify(&mut recording);
+        if gain.is_none() && is_prescribed(model, recording.channels[input].role) {
+            gain = gain::of_deformation(&mut recording);
+        }
         let position_unit = position_unit(model, &recording, recording.channels[input].role);
         let equation = Equation {
             input: recording.channels[input].role,
@@ -78,9 +84,7 @@ impl Experiment {
             let wanted = model.kind.outputs.contains(&channel.role);
             if wanted && channel.role != experiment.input {
                 let mut output = output(model, &experiment, (&recording.name, channel))?;
-                if output.channel == Role::LinkPosition
-                    && let Some(gain) = gain.take()
-                {
+                if let Some(gain) = gain.take_if(|(gain, _)| gain.channel == output.channel) {
                     output.scaled_by(gain);
                 }
                 output.keep_within(experiment.span());
@@ -103,16 +107,45 @@ impl Experiment {
 
     /// Refines an unknown gain with the model's prediction, if the motor side is prescribed: this includes the
     /// link's deformation.
-    fn refine_gain(&mut self, model: &Model) {
-        let motor = (model.kind.linear)(&model.keys(), self.input).motor;
+    pub fn refine_gain(&mut self, model: &Model) {
         let known = self.outputs.iter().all(|output| output.gain.is_none());
-        if known || motor != MotorSide::Prescribed {
+        if known || !is_prescribed(model, self.input) {
             return;
         }
-        let predicted = self.predicted(model, &model.terms());
+        let predicted = match self.outputs.iter().position(Output::is_of_any_size) {
+            Some(output) => self.in_step(model, output),
+            None => self.predicted(model, &model.terms()),
+        };
         for (output, predicted) in self.outputs.iter_mut().zip(predicted) {
             output.refine_gain(predicted);
         }
+    }
+
+    /// The prediction at the natural frequency around the model's own at which an output follows it most closely. At
+    /// another one a vibration that lasts is soon out of step, and a gain too small.
+    fn in_step(&self, model: &Model, output: usize) -> Vec<Vec<f64>> {
+        let at = |frequency: f64, key: usize| {
+            let mut other = model.clone();
+            other.values[key].value = frequency;
+            self.predicted(&other, &other.terms())
+        };
+        let Some((key, damping)) = model.kind.mode.filter(|(key, _)| !model.values[*key].fixed)
+        else {
+            return self.predicted(model, &model.terms());
+        };
+        let (own, ratio) = (&model.values[key], model.values[damping].value);
+        let spread = own
+            .std
+            .map_or(model.kind.keys[key].belief, |std| std / own.value);
+        // Half of the half-power width, within which a vibration stays in step while it lasts.
+        let step = ratio.max(FINEST);
+        let steps = (BELIEVED * spread / step).ceil() as i32;
+        let nearby = (-steps..=steps).map(|k| own.value * (f64::from(k) * step).exp());
+        let follows = |all: &Vec<Vec<f64>>| self.outputs[output].follows(&all[output]);
+        let predicted = nearby.map(|frequency| at(frequency, key));
+        predicted
+            .max_by(|a, b| follows(a).total_cmp(&follows(b)))
+            .unwrap_or_else(|| self.predicted(model, &model.terms()))
     }
 
     /// The same with long steps, halved so many times, for a search that fits the keys with them; `None` where that saves none.
@@ -235,4 +268,9 @@ fn names(roles: &[Role]) -> String {
         .map(|role| role.name())
         .collect::<Vec<_>>()
         .join(", ")
+}
+
+/// Whether the motor side is known, driven by this input.
+fn is_prescribed(model: &Model, input: Role) -> bool {
+    (model.kind.linear)(&model.keys(), input).motor == MotorSide::Prescribed
 }

@@ -4,6 +4,7 @@ use super::chain::MotorSide;
 use super::circle::{Circle, frame_columns};
 use super::experiment::{Experiment, Output};
 use super::gain::{Gain, slope};
+use super::regression::Regression;
 use super::tangent::along_tangent;
 use super::{ExperimentError, Model};
 use nalgebra::Point3;
@@ -182,6 +183,19 @@ impl Output {
         self.scale *= gain.value.abs();
         self.unit.clone_from(&gain.unit);
         self.gain = Some(gain);
+    }
+
+    /// Whether only a model tells its gain.
+    pub(super) fn is_of_any_size(&self) -> bool {
+        self.gain.is_some() && self.channel == Role::Deformation
+    }
+
+    /// How closely it follows a prediction, whatever its gain: the slope over its standard deviation, squared.
+    pub(super) fn follows(&self, predicted: &[f64]) -> f64 {
+        let slope = Regression::on(&[predicted]).and_then(|on| on.slope(&self.values));
+        slope.map_or(0.0, |slope| {
+            slope.value * slope.value / slope.variance.max(f64::MIN_POSITIVE)
+        })
     }
 
     /// Refines an unknown gain with a prediction, which becomes the column of the remaining error.
