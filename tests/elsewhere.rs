@@ -116,6 +116,7 @@ fn gains_of_raw_counts_are_fitted() {
         (&JOINT, MODEL, Role::LinkPosition),
         (&lasting, off, Role::LinkPosition),
         (&JOINT, MODEL, Role::Deformation),
+        (&lasting, off, Role::Deformation),
     ] {
         let [time, motor, deformation] = moves_of(joint, |_| 0.0);
         let link = motor.iter().zip(&deformation).map(|(u, d)| u + d);

@@ -56,32 +56,42 @@ pub(super) fn attempt(
     progress: Progress,
 ) -> Result<Looked, DiagnosisError> {
     let mut data = Data::new(model, fitted, apart);
-    refine_gains(model, &mut data, options)?;
-    let looked = investigate(model, (&data, recordings), known, options, progress)?;
+    let start = refine_gains(model, &mut data, options)?;
+    let data = (&start, &data);
+    let looked = investigate(model, (data, recordings), known, options, progress)?;
     Ok(Looked {
-        outcome: named(looked.outcome, &data, recordings.0),
+        outcome: named(looked.outcome, data.1, recordings.0),
         ..looked
     })
 }
 
-/// Refines gains between raw readings with the refitted model. With the given one a vibration whose frequency it does
-/// not have is out of step with the reading, and takes part in the gain.
-fn refine_gains(model: &Model, data: &mut Data, options: &Options) -> Result<(), DiagnosisError> {
+/// Refines gains between raw readings with the refitted model, and gives the model to start from. With the given one a
+/// vibration whose frequency it does not have is out of step with the reading, and takes part in the gain.
+fn refine_gains(
+    model: &Model,
+    data: &mut Data,
+    options: &Options,
+) -> Result<Model, DiagnosisError> {
+    let mut start = model.clone();
     let is_unknown = |own: &Experiment| own.outputs.iter().any(|output| output.gain.is_some());
     if !data.experiments.iter().chain(&data.apart).any(is_unknown) {
-        return Ok(());
+        return Ok(start);
     }
     for _ in 0..GAIN_ROUNDS {
+        start = with_gains(&start, data);
         let mut problem = problem(model, &data.experiments, data.train.clone());
         problem.stop = options.stop.clone();
-        let (fitted, _) = baseline(model, &mut problem);
+        let (fitted, _) = baseline(&start, &mut problem);
         options.stop.check()?;
-        let refitted = better_model(model, &fitted.point);
-        for own in data.experiments.iter_mut().chain(&mut data.apart) {
-            own.refine_gain(&refitted);
-        }
+        start = better_model(model, &fitted.point);
     }
-    Ok(())
+    Ok(with_gains(&start, data))
+}
+
+/// Refines the gains of all experiments with a model; gives the model by which the last of them is told.
+fn with_gains(model: &Model, data: &mut Data) -> Model {
+    let all = data.experiments.iter_mut().chain(&mut data.apart);
+    all.fold(model.clone(), |model, own| own.refine_gain(&model))
 }
 
 /// Adds the recording's name to each drawn series where there are several recordings.
@@ -99,7 +109,7 @@ fn named(mut outcome: Outcome, data: &Data, recordings: &[Recording]) -> Outcome
 /// All steps of a look.
 fn investigate(
     model: &Model,
-    (data, recordings): (&Data, Recordings),
+    ((start, data), recordings): ((&Model, &Data), Recordings),
     known: &Known,
     options: &Options,
     progress: Progress,
@@ -109,7 +119,7 @@ fn investigate(
     let mut problem = problem(model, &data.experiments, data.train.clone());
     problem.stop = options.stop.clone();
     problem.catalogue = options.catalogue;
-    let (fitted, mut projector) = baseline(model, &mut problem);
+    let (fitted, mut projector) = baseline(start, &mut problem);
     options.stop.check()?;
     let judge = Judge::new(model, data, &problem, &fitted.point);
     let untold = Untold::of(model, &problem, &fitted.point, &judge);
@@ -173,7 +183,7 @@ fn investigate(
     })
 }
 
-/// The refitted model; the noise is measured from its residual.
+/// The model refitted from a start; the noise is measured from its residual.
 fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     let start = problem.start(model);
     if problem.experiments[0].outputs.len() > 1 {

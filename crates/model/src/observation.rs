@@ -100,38 +100,36 @@ impl Experiment {
         }
         experiment.measure_start((model.kind.linear)(&model.keys(), input.role).motor);
         experiment.windows = windows(model, &experiment);
-        experiment.refine_gain(model);
+        let _ = experiment.refine_gain(model);
         experiment.smoothen(model);
         Ok(experiment)
     }
 
     /// Refines an unknown gain with the model's prediction, if the motor side is prescribed: this includes the
-    /// link's deformation.
-    pub fn refine_gain(&mut self, model: &Model) {
+    /// link's deformation. Returns the model that predicted it: of a gain that only a model tells, the one at the
+    /// natural frequency around its own that the reading follows most closely.
+    pub fn refine_gain(&mut self, model: &Model) -> Model {
         let known = self.outputs.iter().all(|output| output.gain.is_none());
         if known || !is_prescribed(model, self.input) {
-            return;
+            return model.clone();
         }
-        let predicted = match self.outputs.iter().position(Output::is_of_any_size) {
+        let model = match self.outputs.iter().position(Output::is_of_any_size) {
             Some(output) => self.in_step(model, output),
-            None => self.predicted(model, &model.terms()),
+            None => model.clone(),
         };
+        let predicted = self.predicted(&model, &model.terms());
         for (output, predicted) in self.outputs.iter_mut().zip(predicted) {
             output.refine_gain(predicted);
         }
+        model
     }
 
-    /// The prediction at the natural frequency around the model's own at which an output follows it most closely. At
+    /// The model at the natural frequency around its own at which an output follows its prediction most closely. At
     /// another one a vibration that lasts is soon out of step, and a gain too small.
-    fn in_step(&self, model: &Model, output: usize) -> Vec<Vec<f64>> {
-        let at = |frequency: f64, key: usize| {
-            let mut other = model.clone();
-            other.values[key].value = frequency;
-            self.predicted(&other, &other.terms())
-        };
-        let Some((key, damping)) = model.kind.mode.filter(|(key, _)| !model.values[*key].fixed)
-        else {
-            return self.predicted(model, &model.terms());
+    fn in_step(&self, model: &Model, output: usize) -> Model {
+        let free = model.kind.mode.filter(|(key, _)| !model.values[*key].fixed);
+        let Some((key, damping)) = free else {
+            return model.clone();
         };
         let (own, ratio) = (&model.values[key], model.values[damping].value);
         let spread = own
@@ -140,12 +138,14 @@ impl Experiment {
         // Half of the half-power width, within which a vibration stays in step while it lasts.
         let step = ratio.max(FINEST);
         let steps = (BELIEVED * spread / step).ceil() as i32;
-        let nearby = (-steps..=steps).map(|k| own.value * (f64::from(k) * step).exp());
-        let follows = |all: &Vec<Vec<f64>>| self.outputs[output].follows(&all[output]);
-        let predicted = nearby.map(|frequency| at(frequency, key));
-        predicted
-            .max_by(|a, b| follows(a).total_cmp(&follows(b)))
-            .unwrap_or_else(|| self.predicted(model, &model.terms()))
+        let at = |k: i32| {
+            let mut other = model.clone();
+            other.values[key].value *= (f64::from(k) * step).exp();
+            let predicted = self.predicted(&other, &other.terms());
+            (self.outputs[output].follows(&predicted[output]), other)
+        };
+        let best = (-steps..=steps).map(at).max_by(|a, b| a.0.total_cmp(&b.0));
+        best.map_or_else(|| model.clone(), |best| best.1)
     }
 
     /// The same with long steps, halved so many times, for a search that fits the keys with them; `None` where that saves none.
