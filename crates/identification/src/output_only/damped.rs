@@ -81,10 +81,9 @@ impl Squares for Decays<'_> {
             let basis = basis(segment, &modes)?;
             let factor = regular(&basis).cholesky()?;
             let amplitudes = factor.solve(&basis.tr_mul(&segment.values));
-            let slopes = slopes(segment, &modes);
             for axis in 0..segment.values.ncols() {
                 let rows = segment.values.nrows();
-                let along = derivatives(&slopes, &basis, &amplitudes.column(axis));
+                let along = derivatives(segment, &modes, (&basis, &amplitudes.column(axis)));
                 let made = basis.tr_mul(&along);
                 normal += along.tr_mul(&along) - made.tr_mul(&factor.solve(&made));
                 gradient -= along.tr_mul(&residual.rows(from, rows));
@@ -95,40 +94,28 @@ impl Squares for Decays<'_> {
     }
 }
 
-/// The slopes of each mode over the samples, for each of its unknowns.
-fn slopes(segment: &Segment, modes: &[Damped]) -> Vec<Vec<Vec<Complex<f64>>>> {
-    let of = |mode: &Damped| {
-        let mut all = vec![Vec::with_capacity(segment.values.nrows()); unknowns(&[*mode]).len()];
-        for sample in 0..segment.values.nrows() {
-            let slopes = mode.slopes(sample as f64 * segment.period);
-            for (own, slope) in all.iter_mut().zip(slopes) {
-                own.push(slope);
-            }
-        }
-        all
-    };
-    modes.iter().map(of).collect()
-}
-
-/// Derivatives of the modes with these slopes in a basis at these amplitudes, one column for each unknown.
+/// Derivatives of the modes in a basis at these amplitudes, one column for each unknown.
 fn derivatives(
-    slopes: &[Vec<Vec<Complex<f64>>>],
-    basis: &DMatrix<f64>,
-    amplitudes: &DVectorView<f64>,
+    segment: &Segment,
+    modes: &[Damped],
+    (basis, amplitudes): (&DMatrix<f64>, &DVectorView<f64>),
 ) -> DMatrix<f64> {
-    let count = slopes.iter().map(Vec::len).sum();
-    let mut all = DMatrix::zeros(basis.nrows(), count);
-    let mut columns = all.column_iter_mut();
-    for (k, of_mode) in slopes.iter().enumerate() {
-        let (straight, turned) = (basis.column(1 + 2 * k), basis.column(2 + 2 * k));
+    let mut all = DMatrix::zeros(basis.nrows(), unknowns(modes).len());
+    let mut column = 0;
+    for (k, mode) in modes.iter().enumerate() {
+        let (straight, turned) = (1 + 2 * k, 2 + 2 * k);
         // The real part of it, times the mode, is what the mode makes at these amplitudes.
-        let amplitude = Complex::new(amplitudes[1 + 2 * k], -amplitudes[2 + 2 * k]);
-        for (slopes, mut column) in of_mode.iter().zip(&mut columns) {
-            for (sample, slope) in slopes.iter().enumerate() {
-                let made = amplitude * Complex::new(straight[sample], turned[sample]);
-                column[sample] = made.re * slope.re - made.im * slope.im;
+        let amplitude = Complex::new(amplitudes[straight], -amplitudes[turned]);
+        let count = unknowns(std::slice::from_ref(mode)).len();
+        for sample in 0..basis.nrows() {
+            let mode_then = Complex::new(basis[(sample, straight)], basis[(sample, turned)]);
+            let made = amplitude * mode_then;
+            let slopes = mode.slopes(sample as f64 * segment.period);
+            for (by, slope) in slopes.iter().take(count).enumerate() {
+                all[(sample, column + by)] = made.re * slope.re - made.im * slope.im;
             }
         }
+        column += count;
     }
     all
 }
