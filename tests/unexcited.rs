@@ -4,6 +4,9 @@ mod small;
 
 use assert_cmd::Command;
 use proptest::prelude::*;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 use serde_json::Value;
 use small::MANIFEST;
 use std::fmt::Write;
@@ -264,9 +267,10 @@ fn noise_at_rest_has_no_modes() {
     let place = TempDir::new().unwrap();
     let rows = good();
     let has_modes = |seed: &u64| {
-        let noisy = rows.iter().enumerate();
-        let noisy: Vec<Row> = noisy
-            .map(|(k, r)| [r[0], 0.3, noise(k, 100 + seed)])
+        let mut random = ChaCha8Rng::seed_from_u64(*seed);
+        let noisy: Vec<Row> = rows
+            .iter()
+            .map(|r| [r[0], 0.3, 6e-6 * random.sample::<f64, _>(StandardNormal)])
             .collect();
         write(&place.path().join("noise"), &noisy);
         quell(place.path(), "identify noise").code != Some(2)

@@ -57,7 +57,9 @@ impl Search<'_> {
             };
             named
         };
-        laws.into_iter().map(with).collect()
+        let others = point.without(index);
+        let has_room = |law: &Nearest| others.has_room_for((law.effect, learned.place));
+        laws.into_iter().filter(has_room).map(with).collect()
     }
 }
 

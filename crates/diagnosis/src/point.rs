@@ -1,6 +1,7 @@
 //! A point in the space of the unknowns: shared by all recordings, or of one recording.
 
-use quell_model::effects::{Effect, Place};
+use quell_model::chain::RESONANCES;
+use quell_model::effects::{Effect, Law, Place};
 use quell_model::{Departure, Term};
 
 /// An effect at a place.
@@ -103,10 +104,36 @@ impl Point {
         }
     }
 
+    /// Whether the machine may have an effect beside those of the point: not a second time where it has nothing of its
+    /// own, no further mode of a full chain, and at one place no law beside its own limit, or beside a learned curve of its slot
+    /// that holds it.
+    pub fn has_room_for(&self, (effect, place): EffectAt) -> bool {
+        let added = self.terms[self.given_terms..].iter();
+        let mut at_place = added.filter(|term| term.place == place);
+        let limit = |own: &Effect| own.contains(effect) || effect.contains(own);
+        let one_law = |own: &Effect| limit(own) || holds(own, effect) || holds(effect, own);
+        let is_there = |own: &Term| own.identity() == (effect, place);
+        let twice = self.terms.iter().any(is_there) && !effect.may_repeat();
+        let modes = self.terms.iter().filter(|own| is_mode(own.effect));
+        let is_full = is_mode(effect) && modes.count() >= RESONANCES;
+        !(twice || is_full || at_place.any(|term| one_law(term.effect)))
+    }
+
     /// The point with one more effect.
     pub fn with(&self, term: Term) -> Self {
         let mut point = self.clone();
         point.terms.push(term);
         point
     }
+}
+
+/// Whether a learned curve holds a named law: it has the same slot, and nothing of its own.
+fn holds(learned: &Effect, named: &Effect) -> bool {
+    let is_one = learned.slot().is_some() && learned.slot() == named.slot();
+    is_one && learned.is_learned() && !named.is_learned() && !named.may_repeat()
+}
+
+/// Whether an effect is a further mode; the chain has a limited number of these.
+fn is_mode(effect: &Effect) -> bool {
+    matches!((effect.law)(&effect.neutral()), Law::Resonance(_))
 }

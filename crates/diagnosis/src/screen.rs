@@ -15,7 +15,6 @@ use super::projector::{Projector, orthonormal};
 use super::run_of::Run;
 use nalgebra::{Cholesky, Complex, DMatrix, DVector};
 use quell_model::Term;
-use quell_model::chain::RESONANCES;
 use quell_model::effects::{Effect, LEARNED, Law, Place, Scales, Slot};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -125,19 +124,9 @@ pub fn screen(
         basis: orthonormal(directions),
         residual: stacked(&linear.residuals),
     };
-    let modes = point
-        .terms
-        .iter()
-        .filter(|term| is_mode(term.effect, &term.values));
-    let full = modes.count() >= RESONANCES;
-    let there = |effect: EffectAt| {
-        let once = point.terms.iter().any(|term| term.identity() == effect);
-        let mode = || is_mode(effect.0, &effect.0.neutral());
-        once && !effect.0.may_repeat() || full && mode() || is_one_law_with(point, effect)
-    };
     let tried: Vec<Vec<Start>> = candidates(problem, table)
         .into_par_iter()
-        .filter(|effect| !there(*effect) && !problem.is_cut())
+        .filter(|effect| point.has_room_for(*effect) && !problem.is_cut())
         .map(|(effect, place)| match effect.is_learned() {
             true => screen.curves(effect, place),
             false => screen.sizes(effect, place, each),
@@ -307,18 +296,6 @@ struct Promise {
 fn stacked(rows: &[DVector<f64>]) -> DVector<f64> {
     let all = rows.iter().flat_map(|part| part.iter().copied());
     DVector::from_iterator(rows.iter().map(|part| part.len()).sum(), all)
-}
-
-/// Whether an effect and one of the point are one law: one is a limit of the other at the same place.
-fn is_one_law_with(point: &Point, (effect, place): EffectAt) -> bool {
-    let one = |own: &Effect| own.contains(effect) || effect.contains(own);
-    let mut terms = point.terms[point.given_terms..].iter();
-    terms.any(|term| term.place == place && one(term.effect))
-}
-
-/// Whether an effect is a further mode; the chain has a limited number of these.
-fn is_mode(effect: &Effect, values: &[f64]) -> bool {
-    matches!((effect.law)(values), Law::Resonance(_))
 }
 
 /// The pseudo-inverse of the directions from their normal equations.
