@@ -95,7 +95,6 @@ pub struct Located {
 
 /// Locates the mismatch behind a residual.
 ///
-/// The missing force `d` in `e'' + 2 xi w e' + w^2 e = d` is a random walk whose intensity has the
 /// The missing force `d` in `e'' + 2 xi w e' + w^2 e = d` is modelled as a random walk whose intensity
 /// maximises the likelihood; a smoother estimates it at each stamp. It is compared with coordinates, positions
 /// and instants. The residual is compared with sensor errors, phases and frequencies. The equation of motion is
@@ -175,7 +174,7 @@ fn put_together(
     let candidate_orders = match place {
         Some(_) => {
             let all = [orders, orders::slow(residual, &moving)].concat();
-            pursuit::pursued(residual, (&smoother, &refit), all)
+            pursuit::pursued(residual, (smoother, &refit), all)
         }
         None => Vec::new(),
     };
