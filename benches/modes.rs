@@ -107,8 +107,6 @@ fn campaign(count: u64, from: u64) {
                 programme.name
             ),
             programme,
-            [&fixed, &learned]
-                .map(|left| left.iter().map(|one| one.delay).sum::<f64>() / left.len() as f64),
         )
     };
     let mut all: Vec<_> = (from..from + count).into_par_iter().map(run).collect();
@@ -128,12 +126,6 @@ fn campaign(count: u64, from: u64) {
             at(1.0)
         );
     }
-    let train = |k: usize| median(&all.iter().map(|one| one.3[k]).collect::<Vec<f64>>());
-    println!(
-        "mean train of a programme, median: {:.3} s without adaptation, {:.3} s learned",
-        train(0),
-        train(1)
-    );
     for (name, is_of) in KINDS {
         let of_kind = all.iter().filter(|one| is_of(&one.2));
         let mut ratios: Vec<f64> = of_kind.map(|one| one.0[1]).collect();

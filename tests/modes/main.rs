@@ -8,8 +8,7 @@ mod random;
 use plant::{Faults, PlantMode};
 use programme::{Left, Policy, Programme, median, percent, worst};
 use quell::controller::Controller;
-use quell::learning::{Inertia, Learner, LearnerSettings, Surroundings};
-use quell_shapers::{GridTrain, Mode, shaper_by_name};
+use quell::learning::{Inertia, Learner, Surroundings};
 use rayon::prelude::*;
 
 fn arm(modes: &[PlantMode], belief_hz: f64, degrees: &[f64]) -> Programme {
@@ -154,45 +153,6 @@ fn declared_in(most: f64) -> Vec<f64> {
     }
     programme.declared = most;
     left(&programme)
-}
-
-/// Whatever train is in force, as that of a retune in motion for another way: what a move begins with is expected to leave no
-/// more than the train without adaptation.
-#[test]
-fn no_train_is_kept_that_is_expected_to_leave_more_than_none() {
-    for belief in [7.8, 8.0, 8.3] {
-        let programme = arm(&[PlantMode::new(8.0, 0.03, 1.0)], belief, &TARGETS[..4]);
-        let (_, taught) = programme.run_and_learn(Policy::Learned);
-        let settings = programme.settings(Policy::Learned);
-        let base = Controller::new(programme.settings(Policy::Learned), 0.0).expect("a controller");
-        let base = base.axis().next_train().clone();
-        // What a learner expects that can solve trains of this length.
-        let expects = |longest_train: f64, in_force: &GridTrain| {
-            let mut learner = Learner::new(LearnerSettings {
-                belief: settings.belief,
-                natural_frequency: settings.adaptation.natural_frequency,
-                dead_band: settings.adaptation.dead_band,
-                longest_train,
-                base: base.clone(),
-                inertia: None,
-            });
-            assert!(learner.remember(&taught.memory()));
-            let plan = programme::plan(1.0, 0.2);
-            let prescribed = learner.prescribe(&plan, &Surroundings::default(), in_force);
-            prescribed.expected.expect("a mode that is shaped for")
-        };
-        let without = expects(0.0, &base);
-        let zv = shaper_by_name("zv").expect("a shaper");
-        for tenths in 70..90 {
-            let other = Mode::from_hertz(0.1 * f64::from(tenths), 0.03).expect("a mode");
-            let in_force = zv.on_grid(other, programme::PERIOD).expect("a train");
-            let with = expects(settings.longest_train, &in_force);
-            assert!(
-                with <= without * (1.0 + 1e-9),
-                "{belief} {tenths}: {with} {without}"
-            );
-        }
-    }
 }
 
 /// Random arms with the faults of joints and sensors, in which the first moves teach; `cargo bench --bench modes -- --campaign 60` makes more of them.

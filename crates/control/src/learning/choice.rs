@@ -50,10 +50,8 @@ impl Learner {
         }
         let now = self.left_by(forecast, in_force);
         match best {
-            // The train in force may be that of a retune in motion, for another way. Where the train without
-            // adaptation is expected to leave less, the dead band does not keep it.
             Some((train, expected))
-                if now > base || self.is_worth([now, expected], in_force, &train, quarter) =>
+                if self.is_worth([now, expected], in_force, &train, quarter) =>
             {
                 (Some(train), expected)
             }

@@ -4,10 +4,9 @@
 //! After each move [`Learner::learn`] fits a sum of modes to it ([`fit`]), as many as there is evidence for
 //! ([`order`]), and adds the result to a map of each mode ([`mode_map`]). Before a move [`Learner::prescribe`]
 //! forecasts the residual of three trains ([`forecast`]): the one in force, that of the belief, and the one
-//! solved for the way. The train in force is kept unless another is expected to leave less by more than the dead
-//! band, or that of the belief is expected to leave less at all; [`monitor`] compares the expectation with
-//! measured residuals. During a move without a solved train, such as the first one, [`Learner::along`] does both
-//! with the samples so far.
+//! solved for the way. The train in force is kept unless another is expected to leave less; [`monitor`]
+//! compares the expectation with measured residuals. During a move without a solved train, such as the first
+//! one, [`Learner::along`] does both with the samples so far.
 
 mod account;
 mod along;
