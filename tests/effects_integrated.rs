@@ -1,8 +1,9 @@
 //! The laws of the catalogue in the chain: what the integration makes of them.
 
 use quell::effects::{EFFECTS, Effect, Law, Memory, ParameterRole, Place, Scales};
-use quell::model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide};
-use quell::model::{Grid, Hold, Kick, Timed, Trace, integrate};
+use quell::model::chain::{Chain, ForceElement, FrictionElement};
+use quell::model::{Grid, Hold, Kick, Kind, Timed, Trace, integrate};
+use quell::recording::Role;
 use std::f64::consts::TAU;
 
 const NATURAL_FREQUENCY: f64 = 8.5 * TAU;
@@ -34,15 +35,9 @@ fn grid(step: f64) -> Grid {
 
 /// The flexible joint, forces divided by its stiffness.
 fn joint() -> Chain {
-    let w = NATURAL_FREQUENCY;
-    Chain::new(Linear {
-        motor: MotorSide::Prescribed,
-        link: Some((1.0, 0.0)),
-        stiffness: w * w,
-        damping: 2.0 * DAMPING_RATIO * w,
-        unit_force: w * w,
-        ..Linear::NONE
-    })
+    let joint = Kind::from_name("flexible_joint").unwrap();
+    let keys = [NATURAL_FREQUENCY / TAU, DAMPING_RATIO];
+    Chain::new((joint.linear)(&keys, Role::MotorPosition))
 }
 
 /// Simulates the joint with a law, or nothing where the law is not in the chain.

@@ -7,9 +7,10 @@ use super::point::{Global, Point};
 use super::prior::is_logarithmic;
 use super::problem::Problem;
 use quell_model::effects::{Parameter, ParameterRole, Quantity};
+use std::cell::LazyCell;
 
-/// Distance from the end of its range within which a parameter counts as at the end, as a share of the range; in
-/// octaves where its prior is uniform in them.
+/// Distance from the end of its range within which a parameter counts as at the end, as a share of the range; of
+/// its logarithm where the prior is uniform in that.
 const AT_END: f64 = 1e-3;
 /// A bound this near to 1 stands for 1, the whole of a share.
 const WHOLE: f64 = 0.03;
@@ -26,25 +27,25 @@ impl Problem<'_> {
     /// within its range says nothing at its end either.
     pub fn at_end(&self, fitted: &Fitted, evidence: &Evidence) -> Option<(usize, usize)> {
         let point = &fitted.point;
-        let deviations = evidence.deviations(CALIBRATED);
-        let added = added(point, &fitted.globals);
+        // Each fit is judged, and few have a shape near an end.
+        let deviations = LazyCell::new(|| evidence.deviations(CALIBRATED));
         let is_at_end = |&(unknown, term, index): &(usize, usize, usize)| {
             let parameter = &point.terms[term].effect.parameters[index];
             let value = point.terms[term].values[index];
             let (low, high) = self.limits(point, Global::Parameter(term, index));
             let role = parameter.role;
             let near = |bound: f64| is_near(role, (value, bound), (low, high));
-            let own = (value, deviations[unknown]);
-            if role == ParameterRole::Shape && spans(role, own, (low, high)) {
-                return false;
-            }
+            let may_be_anything = || {
+                role == ParameterRole::Shape
+                    && spans(role, (value, deviations[unknown]), (low, high))
+            };
             // A law at the end of its shape parameter is the simpler law that it contains as a limit.
             let contains = point.terms[term].effect.limits().next().is_some();
             let ends = [low, high].into_iter();
             let mut ends = ends.filter(|&bound| is_meaningless(parameter, bound, contains));
-            ends.any(near)
+            ends.any(near) && !may_be_anything()
         };
-        let first = added.into_iter().find(is_at_end);
+        let first = added(point, &fitted.globals).find(is_at_end);
         first.map(|(_, term, index)| (term, index))
     }
 

@@ -2,8 +2,10 @@
 //! to the springs.
 
 use nalgebra::{Complex, Matrix4, Vector4};
-use quell_model::chain::{Chain, Linear, MotorSide, State};
+use quell_model::Kind;
+use quell_model::chain::{Chain, State};
 use quell_model::effects::Resonance;
+use quell_recording::Role;
 use std::f64::consts::TAU;
 
 /// Inertia, stiffness, damping of the first and the second body: 8 Hz and 0.05 of the first alone.
@@ -44,14 +46,8 @@ fn mode(pole: Complex<f64>) -> [f64; 2] {
 /// Deformation of the first mode and of the further one, from the accelerations of the chain at unit states.
 fn of_chain(damping_coupling: f64, s: Complex<f64>) -> [Complex<f64>; 2] {
     let ([w, xi], [natural_frequency, damping_ratio]) = (mode(poles()[0]), mode(poles()[1]));
-    let mut chain = Chain::new(Linear {
-        motor: MotorSide::Prescribed,
-        link: Some((1.0, 0.0)),
-        stiffness: w * w,
-        damping: 2.0 * xi * w,
-        unit_force: w * w,
-        ..Linear::NONE
-    });
+    let joint = Kind::from_name("flexible_joint").unwrap();
+    let mut chain = Chain::new((joint.linear)(&[w / TAU, xi], Role::MotorPosition));
     chain.resonances.push(Resonance {
         natural_frequency,
         damping_ratio,
