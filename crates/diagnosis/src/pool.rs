@@ -183,6 +183,19 @@ impl Pool {
         CALIBRATED * noise + wrong * first.evidence.correlation()
     }
 
+    /// Highest log evidence that an explanation could have with one more effect: one of a single parameter that
+    /// takes all that is left beyond the least of all residuals. A parameter whose size is typical and that
+    /// lowers chi-squared by `f T` costs `ln(1 + f) / 2`.
+    pub fn hope(
+        &self,
+        (own, log_evidence): (&Explanation, f64),
+        log_odds: f64,
+        temperature: f64,
+    ) -> f64 {
+        let fall = (left(own) - left(self.least())).max(0.0) / temperature;
+        log_evidence + fall / 2.0 - (1.0 + fall).ln() / 2.0 + log_odds
+    }
+
     /// The explanation with the least residual.
     fn least(&self) -> &Explanation {
         let all = self.all.iter().map(|entry| &entry.own);

@@ -3,6 +3,7 @@
 
 use super::candidate::Known;
 use super::explanation::Explanation;
+use super::found::CREDIBLE;
 use super::judge::Judge;
 use super::point::Point;
 use super::pool::Pool;
@@ -109,20 +110,24 @@ impl Search<'_> {
     /// The next structure to extend. Structures of named laws come first: before they are complete, learned
     /// laws would outrank them. A structure with a learned law follows only if it is the best of all.
     fn next(&self, pool: &Pool) -> Option<Explanation> {
-        let ranked = pool.ranked(pool.temperature(self.judge));
+        let temperature = pool.temperature(self.judge);
+        let ranked = pool.ranked(temperature);
         let (learned, named): (Vec<_>, Vec<_>) = ranked.iter().partition(|own| own.0.is_learned());
-        let best = ranked[0].0;
-        // If only noise is left, nothing masks a further effect.
-        let beam = if self.leaves_noise(best) { 1 } else { BEAM };
+        let (best, highest) = ranked[0];
+        let is_noise = self.leaves_noise(best);
+        // If only noise is left, nothing masks a further effect: the others matter if they could become credible.
+        let one = self.problem.log_prior_of_one();
+        let least = highest + (1.0 - CREDIBLE).ln();
+        let is_hopeful = |own: Ranked| !is_noise || pool.hope(own, one, temperature) > least;
         // If no single effect is worth it, two together may be.
-        let ahead = usize::from(beam > 1 && best.terms() == 0);
-        let next = match best.is_learned() && beam == 1 {
+        let ahead = usize::from(!is_noise && best.terms() == 0);
+        let next = match best.is_learned() && is_noise {
             true => None,
-            false => open(pool, &named, (beam, ahead)),
+            false => open(pool, &named, ahead, is_hopeful),
         };
         next.or_else(|| {
             best.is_learned()
-                .then(|| open(pool, &learned, (1, 0)))
+                .then(|| open(pool, &learned, 0, |_| false))
                 .flatten()
         })
     }
@@ -179,18 +184,22 @@ impl Search<'_> {
     }
 }
 
-/// The first structure, from few effects to many, that is in the beam of its number of effects and not extended
-/// yet. The search goes on to more effects only while their best is not worse than with fewer; `ahead` effects
-/// are always allowed.
+/// An explanation with its log evidence.
+type Ranked<'a> = (&'a Explanation, f64);
+
+/// The first structure, from few effects to many, that is not extended yet and is the best of its number of
+/// effects, or is hopeful and in the beam. The search goes on to more effects only while their best is not worse
+/// than with fewer; `ahead` effects are always allowed.
 fn open(
     pool: &Pool,
-    ranked: &[(&Explanation, f64)],
-    (beam, ahead): (usize, usize),
+    ranked: &[Ranked],
+    ahead: usize,
+    is_hopeful: impl Fn(Ranked) -> bool,
 ) -> Option<Explanation> {
     let mut least = f64::NEG_INFINITY;
     for count in 0..MOST_EFFECTS {
         let level = ranked.iter().filter(|own| own.0.terms() == count);
-        let level: Vec<_> = level.take(beam).collect();
+        let level: Vec<_> = level.take(BEAM).collect();
         let Some(best) = level.first() else {
             continue;
         };
@@ -198,11 +207,11 @@ fn open(
             return None;
         }
         least = least.max(best.1);
-        let open = level
-            .iter()
-            .find(|own| !pool.is_extended(own.0, Table::Named));
-        if let Some((next, _)) = open {
-            return Some((*next).clone());
+        let open = |&(rank, own): &(usize, &&Ranked)| {
+            !pool.is_extended(own.0, Table::Named) && (rank == 0 || is_hopeful(**own))
+        };
+        if let Some((_, next)) = level.iter().enumerate().find(open) {
+            return Some(next.0.clone());
         }
     }
     None
