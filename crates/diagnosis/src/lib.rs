@@ -55,6 +55,7 @@ mod noise_colour;
 mod normal;
 mod nuisances;
 mod outcome;
+mod pairs;
 mod point;
 mod pool;
 mod prior;

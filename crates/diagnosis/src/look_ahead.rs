@@ -22,6 +22,9 @@ impl Search<'_> {
             return false;
         }
         let mut ahead = pool.clone();
+        for own in [pool.baseline(), pool.best(self.judge)] {
+            self.pairs(own).into_iter().for_each(|pair| ahead.add(pair));
+        }
         for count in 1..MOST_EFFECTS {
             let own = ahead.most_likely(count);
             for own in &own {

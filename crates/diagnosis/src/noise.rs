@@ -1,8 +1,10 @@
 //! The noise floor of an output: level and colour.
 
 use super::detrended::detrended;
+use super::marginal::correlation;
 use super::noise_colour::colour;
 use super::whitening::Whitening;
+use nalgebra::DVector;
 use quell_model::{Experiment, Output};
 use quell_recording::Role;
 use quell_signal::{Motion, RestRule, noise_floor, phases};
@@ -12,6 +14,9 @@ const FEWEST: usize = 150;
 
 /// Ratio of two estimates of a standard deviation, each from a hundred samples or more, beyond chance.
 pub const LOUDER: f64 = 1.2;
+
+/// Relative error within which the level of the noise is to be known, at three standard deviations.
+const TENTH: f64 = 0.1;
 
 /// Greatest ratio between the noise of one coordinate of a sensor and that of the others.
 const WITNESS: f64 = 3.0;
@@ -94,7 +99,21 @@ fn shown(
     if found.deviation < least || found.innovation < 0.7 * white {
         return Whitening::white(white.max(least));
     }
-    found
+    let rest = DVector::from_vec(stretches.concat());
+    let scatter = (correlation(&rest) / (2 * rest.len().max(1)) as f64).sqrt();
+    match 3.0 * scatter < TENTH {
+        true => found,
+        false => with_motion(restless(experiment, output, residual, frequency), found),
+    }
+}
+
+/// The noise at a short rest, or that above the vibration, which all samples show, if both are the same one.
+fn with_motion(all: Option<Whitening>, rest: Whitening) -> Whitening {
+    let is_same = |all: &Whitening| {
+        let ratio = all.deviation / rest.deviation;
+        ratio < LOUDER && ratio > LOUDER.recip()
+    };
+    all.filter(is_same).unwrap_or(rest)
 }
 
 /// Noise of a sensor by rounding: `q / sqrt 12`. `q` is the step of its changes or, if it shows a few values

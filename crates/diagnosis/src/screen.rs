@@ -93,7 +93,7 @@ impl Table {
 }
 
 /// The data against which the candidates are screened.
-struct Screen<'a> {
+pub struct Screen<'a> {
     problem: &'a Problem<'a>,
     point: &'a Point,
     linear: &'a Linearised,
@@ -114,16 +114,7 @@ pub fn screen(
     projector: &Projector,
     (table, each): (Table, usize),
 ) -> Vec<Start> {
-    let directions = linear.stacked();
-    let screen = Screen {
-        problem,
-        point,
-        linear,
-        projector,
-        steps: steps(&directions),
-        basis: orthonormal(directions),
-        residual: stacked(&linear.residuals),
-    };
+    let screen = Screen::new(problem, point, linear, projector);
     let tried: Vec<Vec<Start>> = candidates(problem, table)
         .into_par_iter()
         .filter(|effect| point.has_room_for(*effect) && !problem.is_cut())
@@ -137,7 +128,59 @@ pub fn screen(
     all
 }
 
-impl Screen<'_> {
+impl Start {
+    /// The effect with a factor on its size, within its bounds.
+    pub fn resized(&self, problem: &Problem, factor: f64) -> Term {
+        let mut term = self.term.clone();
+        let size = term.effect.size();
+        let (low, high) = (term.effect.parameters[size].bounds)(&problem.scales);
+        term.values[size] = (term.values[size] * factor).clamp(low, high);
+        term
+    }
+}
+
+impl<'a> Screen<'a> {
+    /// The data at a point with its linearisation.
+    pub fn new(
+        problem: &'a Problem<'a>,
+        point: &'a Point,
+        linear: &'a Linearised,
+        projector: &'a Projector,
+    ) -> Self {
+        let directions = linear.stacked();
+        Self {
+            problem,
+            point,
+            linear,
+            projector,
+            steps: steps(&directions),
+            basis: orthonormal(directions),
+            residual: stacked(&linear.residuals),
+        }
+    }
+
+    /// Residual at the point.
+    pub fn residual(&self) -> &DVector<f64> {
+        &self.residual
+    }
+
+    /// The part of the change by the last effect of a point that the model itself cannot produce.
+    pub fn own_change(&self, moved: &Point) -> DVector<f64> {
+        let mut change = self.changed(moved);
+        change -= &self.basis * self.basis.tr_mul(&change);
+        change
+    }
+
+    /// Change of the residual by the last effect of a point.
+    fn changed(&self, moved: &Point) -> DVector<f64> {
+        let last = moved.terms.len() - 1;
+        let again = |e: usize| {
+            let before = &self.linear.runs[e];
+            self.problem.run_again(moved, e, last, before)
+        };
+        self.change(again)
+    }
+
     /// An effect at its place with the values of its grid. An event has a grid for each recording.
     fn starts(&self, effect: &'static Effect, place: Place) -> Vec<Term> {
         let problem = self.problem;
@@ -170,12 +213,8 @@ impl Screen<'_> {
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
         starts.truncate(each);
         // At a bound of the size the factor is arbitrary. A resized start is used only if its score is better.
-        let size = effect.size();
-        let (low, high) = (effect.parameters[size].bounds)(&self.problem.scales);
         for own in starts.iter_mut().filter(|own| own.factor != 1.0) {
-            let mut term = own.term.clone();
-            term.values[size] = (term.values[size] * own.factor).clamp(low, high);
-            let resized = start(term);
+            let resized = start(own.resized(self.problem, own.factor));
             if resized.score > own.score {
                 *own = resized;
             }
@@ -235,11 +274,7 @@ impl Screen<'_> {
 
     /// Expected gain of a candidate, and the factor of its size.
     fn score(&self, moved: &Point) -> (f64, f64) {
-        let last = moved.terms.len() - 1;
-        let change = self.change(|e| {
-            let before = &self.linear.runs[e];
-            self.problem.run_again(moved, e, last, before)
-        });
+        let change = self.changed(moved);
         let own = self.basis.tr_mul(&change).norm_squared();
         let plain = self.promise(change.clone());
         let hopeful = plain.gain > HOPEFUL * self.residual.norm_squared();
