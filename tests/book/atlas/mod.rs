@@ -6,6 +6,7 @@ mod drawing;
 mod elements;
 mod in_mujoco;
 mod least;
+mod lines;
 mod mjcf;
 mod mujoco;
 mod page;
@@ -149,11 +150,7 @@ fn pictures(own: &Entry) -> [Panel; 3] {
         let x = points(slot, arm.range(slot.coordinate()));
         let y = curve(effect, &own.term.values, &arm.model.still(), &x)?;
         Some(Panel {
-            title: format!(
-                "{} over the {}",
-                capital(slot.law()),
-                slot.coordinate().name()
-            ),
+            title: format!("{} over {}", capital(slot.law()), slot.coordinate().name()),
             x,
             y,
             along: arm.with_unit(slot.coordinate().name(), slot.quantities()[0]),

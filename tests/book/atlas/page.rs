@@ -68,11 +68,11 @@ fn in_mujoco(own: &Entry) -> String {
 fn captions(own: &Entry) -> String {
     let middle = match own.term.effect.slot() {
         Some(slot) => format!(
-            "Middle: the {} of the law over the {}.",
+            "Middle: the law of the effect, {} over {}.",
             slot.law(),
             slot.coordinate().name()
         ),
-        None => "Middle: the misfit over the velocity.".into(),
+        None => "Middle: the misfit over velocity.".into(),
     };
     format!("{middle} Right: the spectrum of the misfit.")
 }

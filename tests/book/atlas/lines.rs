@@ -1,0 +1,38 @@
+//! Text in pictures: SVG breaks no lines, and the reader's font is not known here.
+
+/// At most this wide is a character of a sans-serif font, in parts of the font's size: DejaVu Sans Bold, the widest
+/// of those that browsers take where a page names none.
+fn advance(character: char) -> f64 {
+    match character {
+        ' ' | '\u{a0}' | '.' | ',' | '/' | '\'' | 'i' | 'j' | 'l' | 'I' | 'J' => 0.38,
+        '-' | ':' | ';' | '(' | ')' | 'f' | 'r' | 't' => 0.5,
+        'a'..='z' if !matches!(character, 'm' | 'w') => 0.72,
+        '0'..='9' => 0.7,
+        'A'..='Z' if !matches!(character, 'M' | 'W') => 0.85,
+        _ => 1.1,
+    }
+}
+
+/// How wide a text is at most.
+pub fn width(text: &str, size: f64) -> f64 {
+    text.chars().map(advance).sum::<f64>() * size
+}
+
+/// The fewest lines of whole words that are no wider than the room. No-break spaces hold words together.
+pub fn lines(text: &str, size: f64, room: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        assert!(
+            width(word, size) <= room,
+            "\"{word}\" is wider than {room} at size {size}"
+        );
+        match lines.last_mut() {
+            Some(line) if width(&format!("{line} {word}"), size) <= room => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.into()),
+        }
+    }
+    lines
+}
