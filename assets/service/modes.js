@@ -25,7 +25,7 @@ export function showModes(now) {
   $("modes").dataset.shown = shown;
   if (!modes.length) return;
   $("modes-rows").replaceChildren(...modes.map(row));
-  const words = [expected === null ? "" : `The last train was expected to leave ${number(expected, 2)} % of the vibration without shaping.`, held ? `No retune in motion: ${held}.` : ""];
+  const words = [expected === null ? "" : `Expected of the last move: ${number(expected, 2)} % of the vibration without shaping.`, held ? `No retune in motion: ${held}.` : ""];
   $("modes-note").textContent = words.filter(Boolean).join(" ");
   const path = `/api/v1/joints/${encodeURIComponent(now.name)}/map`;
   const take = (answer) => {
@@ -46,9 +46,9 @@ function row(mode, k) {
     `${number(mode.frequency_hz, 4)} ± ${number(mode.frequency_std_hz, 2)}${along}`,
     `${number(mode.damping_ratio)} ± ${number(mode.damping_ratio_std, 2)}`,
     `${number(mode.contribution_percent, 2)} %`,
-    mode.shaped ? "shaped for" : "told, not shaped for",
+    mode.shaped ? "yes" : "no: it hardly rings",
   ];
-  const names = ["mode", "frequency, Hz", "damping ratio", "part of the vibration", ""];
+  const names = ["mode", "frequency, Hz", "damping ratio", "part of the vibration", "shaped for"];
   made.append(...cells.map((text, column) => element("td", text, { ...(column && column < 4 && { class: "number" }), "data-name": names[column] })));
   return made;
 }

@@ -16,6 +16,7 @@ export function share(move) {
   const { vibration_rad: left, unshaped_vibration_rad: without, unshaped_std_rad: std } = move;
   const most = without - 2 * (std ?? 0);
   if (left === null || !(most > 0)) return { percent: "–", note: "not known: its modes are not known well enough" };
+  if (left === 0) return { percent: "0", note: "below the noise of the sensor" };
   const percent = (of) => number((100 * left) / of, 2);
   const [low, high] = [percent(without + 2 * (std ?? 0)), percent(most)];
   return { percent: percent(without), note: `of the estimated vibration without shaping${low === high ? "" : ` (${low} to ${high}, if the motor side follows exactly)`}` };
@@ -24,8 +25,8 @@ export function share(move) {
 /** The bars of a move: what is drawn, in which colour, and words behind it. */
 function bars(move, of) {
   const [left, without] = [of(move, "vibration"), of(move, "unshaped_vibration")];
-  const known = move.shaped && left !== null ? share(move).percent : "";
-  const words = { "": "", "–": ", of what without shaping is not known" }[known] ?? `, ${known} %`;
+  const known = move.shaped && left ? share(move).percent : ""; // below the noise the share says no more
+  const words = { "": "", "–": ", share not known" }[known] ?? `, ${known} %`;
   const own = { value: left, kind: move.shaped ? "with" : "without", words };
   return move.shaped && without !== null ? [{ value: without, kind: "without", words: "" }, own] : [own];
 }
@@ -38,7 +39,7 @@ export function showMoves(moves, joint) {
   $("bars").dataset.shown = shown;
   const drawn = whole(all, joint).slice(-BARS).reverse();
   const out = all.filter((move) => move.interrupted).length;
-  const note = [drawn.length ? "" : "No move yet.", out ? `Not shown: ${out} that ${out === 1 ? "was" : "were"} interrupted.` : ""];
+  const note = [drawn.length ? "" : "No move yet.", out ? `Not shown: ${out} ${out === 1 ? "move that was" : "moves that were"} interrupted.` : ""];
   const inMetres = drawn.every((move) => move.vibration_rad === null || move.vibration_m !== null);
   const of = (move, what) => move[`${what}_${inMetres ? "m" : "rad"}`] ?? null;
   const most = Math.max(...drawn.flatMap((move) => bars(move, of).map(({ value }) => value ?? 0)), 1e-12);

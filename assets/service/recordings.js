@@ -19,13 +19,13 @@ export async function listRecordings() {
     const what = element("td", `${entry.joint}, ${new Date(1e3 * entry.unix_time_s).toLocaleString()}`);
     what.append(element("small", entry.name));
     const { result } = entry;
-    const left = !result ? "–" : result.interrupted ? (INTERRUPTED[result.ended] ?? "interrupted") : vibration(result);
+    const left = !result ? "–" : result.interrupted ? `–, ${INTERRUPTED[result.ended] ?? "interrupted"}` : vibration(result);
     const button = element("button", "Diagnose", { type: "button", "aria-label": `Diagnose ${entry.name}` });
     button.onclick = () => diagnose(entry.name);
     const link = element("a", "Download", { href: withToken(`/api/v1/recordings/${entry.name}`), download: "", "aria-label": `Download ${entry.name}` });
     const actions = element("td");
     actions.append(button, " ", link);
-    row.append(what, element("td", left, { class: "number", "data-name": "left", title: result?.fault ?? "" }), element("td", `${number(entry.duration_s)} s`, { class: "number", "data-name": "length" }), actions);
+    row.append(what, element("td", left, { class: "number", "data-name": "vibration left", title: result?.fault ?? "" }), element("td", `${number(entry.duration_s)} s`, { class: "number", "data-name": "length" }), actions);
     return row;
   }));
 }
@@ -51,7 +51,7 @@ $("record").onclick = async () => {
 
 function showRecording(on, answer) {
   $("record").setAttribute("aria-pressed", String(on));
-  $("record").textContent = on ? `End recording ${answer.name}` : "Record on demand";
+  $("record").textContent = on ? `End recording ${answer.name}` : "Start a recording";
 }
 
 async function diagnose(recording) {

@@ -171,7 +171,7 @@ function figure(name, value, unit, note) {
 
 function showFigures(now) {
   const { estimate, mode } = now;
-  const truth = now.true_mode ? `in truth ${number(now.true_mode.frequency_hz, 4)} Hz` : "";
+  const truth = now.true_mode ? `simulated with ${number(now.true_mode.frequency_hz, 4)} Hz` : "";
   const word = !estimate ? "move to learn it" : estimate.refused || (estimate.converged ? "settled" : "not yet settled");
   const last = whole(state.moves, now.name).filter((move) => move.vibration_rad !== null).pop();
   const left = last?.shaped ? share(last) : null;
@@ -181,7 +181,7 @@ function showFigures(now) {
     figure("estimated frequency", estimate ? number(estimate.frequency_hz, 4) : "–", "Hz", [word, truth].filter(Boolean).join("; ")),
     figure("damping ratio", estimate ? number(estimate.damping_ratio) : "–", "", estimate ? `± ${number(estimate.damping_ratio_std, 2)}` : ""),
     figure("shaped for", mode ? number(mode.frequency_hz, 4) : "–", "Hz", `trains learned: ${now.retunes}`),
-    figure("last move left", left ? left.percent : "–", "%", left?.note ?? "of the vibration without shaping"),
+    figure("vibration left, last move", left ? left.percent : "–", "%", left?.note ?? "of the vibration without shaping"),
   );
 }
 

@@ -101,7 +101,7 @@ fn stopped_by_key(browser: &mut Browser) {
     );
     until(browser, "state.joints[0].command_rad > -2.5");
     browser.until(
-        "document.querySelector('#bars-note').textContent === 'Not shown: 1 that was interrupted.'",
+        "document.querySelector('#bars-note').textContent === 'Not shown: 1 move that was interrupted.'",
     );
     assert_eq!(
         browser.value("document.querySelectorAll('#bars .name').length"),

@@ -132,7 +132,7 @@ fn words(reason: Reason) -> String {
             mode.damping_ratio()
         ),
         Reason::Uncertain(left) => format!("too uncertain: it could leave {}", percent(left)),
-        Reason::DeadBand(_) => "the train in force is as good".into(),
+        Reason::DeadBand(_) => "close to the mode in force: no change".into(),
         Reason::NotSignificant(left) => {
             format!("not significant: its error explains {}", percent(left))
         }
