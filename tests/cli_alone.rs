@@ -341,7 +341,7 @@ fn noise_and_a_tone_tell_no_mode() {
             .assert()
             .code(2);
         let stderr = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
-        assert!(stderr.contains("no mode can be told"), "{stderr}");
+        assert!(stderr.contains("no mode was found"), "{stderr}");
     }
 }
 

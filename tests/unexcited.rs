@@ -94,7 +94,7 @@ fn workplace(rows: &[Row]) -> TempDir {
 /// Recordings that say nothing, what `diagnose` says of each, and what `identify` does.
 fn silent() -> Vec<(&'static str, Vec<Row>, &'static str, &'static str)> {
     let still = "nothing vibrates";
-    let none = "no mode can be told";
+    let none = "no mode was found";
     let few = "samples";
     let moved = |rows: usize| good().into_iter().skip(25).take(rows).collect::<Vec<_>>();
     let step = 2e-5;
@@ -312,7 +312,7 @@ fn a_fleet_tells_who_says_nothing() {
     }
     for words in [
         "no diagnosis of 2 of 5 recordings",
-        "2 of 5 recordings say nothing of the model (not_excited)",
+        "2 of 5 recordings say nothing about the model (not_excited)",
     ] {
         assert!(ran.stderr.contains(words), "{}", ran.stderr);
     }

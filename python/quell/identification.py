@@ -187,7 +187,7 @@ def identify(
     Raises
     ------
     IdentificationError
-        Where no mode can be told, or a channel is bad.
+        Where no mode is found, or a channel is bad.
     """
     inner = recording._inner
     believed = model._inner if model else None

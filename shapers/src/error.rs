@@ -61,7 +61,9 @@ pub enum ShaperError {
         found: f64,
     },
     /// The mode is too fast for the grid: half its damped period is below two ticks.
-    #[error("half a damped period of {half_period} s is below two ticks of {sample_time} s")]
+    #[error(
+        "half a damped period, {half_period:.6} s, is shorter than two ticks of {sample_time} s: use a higher rate"
+    )]
     TooFast {
         /// Half the damped period, s.
         half_period: f64,
@@ -85,7 +87,7 @@ pub enum ShaperError {
         value: f64,
     },
     /// No shaper of the table is within the delay.
-    #[error("no shaper adds less than {longest_delay} s; the shortest adds {shortest} s")]
+    #[error("no shaper adds less than {longest_delay} s; the shortest adds {shortest:.6} s")]
     NoneFits {
         /// Longest delay allowed, s.
         longest_delay: f64,

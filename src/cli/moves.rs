@@ -36,12 +36,11 @@ first, in a commissioning move there and back. The folder of --out gets report.h
 of each move that `quell identify` and `quell inspect` read.
 
 With --path several joints move at once, on a straight line in joint space: unshaped, each with a
-shaper of its own, and all with the shapers of all, one after the other, which keeps the line. Of the
-latter two there is a first move and the next one, with what was learned.
+shaper of its own, and each with the shapers of all joints in series, which keeps the line. The latter
+two are made twice: a first move, and the next one with what was learned.
 
---residual and --deviation add the first move once more, as fast as both allow for the modes that
-were learned, wherever within two standard deviations they are. No train is then sent. The
-deviation is the distance of the commanded tip from the straight line in joint space, and the
+--residual and --deviation add the first move once more, as fast as both allow. They hold for all
+modes within two standard deviations of the learned ones. No train is then sent. The deviation is the distance of the commanded tip from the straight line in joint space, and the
 amplitude at the tip after the end; without it several joints keep the line.")]
 pub struct Args {
     #[command(flatten)]

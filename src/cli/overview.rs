@@ -95,7 +95,7 @@ impl Overview {
         let (verdict, mut sentence) = match some {
             0 if silent + aside == of => (
                 page::Verdict::Bad,
-                format!("Nothing can be said of any of {of} {noun}s."),
+                format!("None of {of} {noun}s says anything about the model."),
             ),
             0 => (
                 page::Verdict::Good,
@@ -119,7 +119,7 @@ impl Overview {
             }
         };
         if silent > 0 {
-            sentence += &format!(" {silent} say nothing of the model.");
+            sentence += &format!(" {silent} say nothing about the model.");
         }
         if aside > 0 {
             sentence += &format!(" {aside} could not be diagnosed.");
@@ -247,7 +247,7 @@ mod tests {
         assert_eq!(names, ["worst", "bad", "fine", "still", "broken"]);
         assert_eq!(
             overview.sentence().1,
-            "Physics is missing at 2 of 5 recordings, the worst first: worst, bad. 1 say nothing of the model. 1 could not be \
+            "Physics is missing at 2 of 5 recordings, the worst first: worst, bad. 1 say nothing about the model. 1 could not be \
              diagnosed."
         );
     }

@@ -52,8 +52,8 @@ pub enum IdentificationError {
     },
     /// A recording whose evidence for a mode is that of noise.
     #[error(
-        "no mode can be told: {found:.0} of a chi-squared of {needed:.0} that would be strong evidence for one in \
-         {samples} samples; what varies is noise or drift; record a move that makes the link ring, and the rest after it"
+        "no mode was found: the best fit of one has a chi-squared of {found:.0}, and strong evidence in {samples} samples \
+         needs {needed:.0}; what varies is noise or drift; record a move that makes the link ring, and the rest after it"
     )]
     NotExcited {
         /// By how much the best fit lowers the criterion, as a chi-squared.
@@ -65,8 +65,8 @@ pub enum IdentificationError {
     },
     /// The strongest line of the spectrum is no resonance.
     #[error(
-        "no mode can be told: what stands out of the spectrum has not the width of a resonance, as what a motor makes \
-         that turns; record the decay after a tap, or a longer time"
+        "no mode was found: the peaks of the spectrum do not have the width of a resonance; a turning motor makes such \
+         peaks; record the decay after a tap, or record for longer"
     )]
     OnlyLines,
     /// It was stopped before its time.

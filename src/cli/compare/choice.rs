@@ -174,7 +174,7 @@ fn known(modes: &[ToldMode], wish: Wish) -> String {
     let is_told =
         |told: &ToldMode| told.natural_frequency_std.is_some() && told.damping_ratio_std.is_some();
     if modes.iter().all(is_told) {
-        return "for 95 % of what the deviations that are told with the modes allow".into();
+        return "with 95 % probability, for the standard deviations of the modes".into();
     }
     let else_known = match modes.iter().any(is_told) {
         true => ", where nothing else is told with it",

@@ -82,9 +82,9 @@ fn figures(comparison: &Comparison) -> Table {
         }
     }
     table.note(
-        "Amplitude that the shaped command leaves over what the unshaped one leaves, each at its \
-         own end, where the machine's frequency is that much above or below the believed one. \
-         95 %: the vibration is below that with 95 % probability, as well as the modes are known. Insensitivity: width \
+        "Amplitude after the shaped command over the amplitude after the unshaped one, each at its \
+         own end. The head of a column says how far the machine's frequency is from the believed one. \
+         95 %: the vibration is below this with 95 % probability, for the given uncertainty of the modes. Insensitivity: width \
          of the band of frequencies with at most 5 %, over the frequency. Gain: sum of the amplitudes' absolute values; \
          above 1, velocity and acceleration can exceed the command's.",
     )

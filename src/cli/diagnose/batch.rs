@@ -216,7 +216,7 @@ fn complete(submission: &Submission, set_aside: usize, silent: usize) -> Result<
     if silent > 0 {
         let verdict = Verdict::NotExcited.name();
         parts.push(format!(
-            "{silent} of {of} recordings say nothing of the model ({verdict})"
+            "{silent} of {of} recordings say nothing about the model ({verdict})"
         ));
     }
     Err(CliError::input(parts.join("\n")))

@@ -101,8 +101,8 @@ fn on_line(findings: &Findings) -> Table {
         .column("after", "periods")
         .text_column("over")
         .note(
-            "Static gain: deformation over position of the motor side at rest, 0 for a plain mode. Periods count from the start of the motion, or of the free decay. A method that does not know its error has its \
-             distance from the recommended one in its deviation.",
+            "Static gain: deformation over position of the motor side at rest, 0 for a plain mode. Periods count from the start of the motion, or of the free decay. Where a method does not know its error, its distance from the \
+             recommended one is added to its standard deviation.",
         );
     for (index, line) in ESTIMATORS.iter().enumerate() {
         let run = findings.found.quoted(index);

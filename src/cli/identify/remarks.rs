@@ -20,12 +20,12 @@ impl Alone {
                 "{role} decays freely from {from:.3} s to {until:.3} s{more}; the modes are {percent:.1} % of its variance there."
             ),
             Excitation::Sweep { from, to } => format!(
-                "{role} was excited by a sweep from {from:.1} to {to:.1} Hz; the modes explain {percent:.1} % of how its \
-                 spectrum varies."
+                "{role} was excited by a sweep from {from:.1} to {to:.1} Hz. The modes explain {percent:.1} % of the \
+                 variation of its spectrum."
             ),
             Excitation::Work => format!(
-                "{role} vibrates throughout, as of a machine at work: the excitation is taken as broad; the modes explain \
-                 {percent:.1} % of how its spectrum varies."
+                "{role} vibrates throughout, as on a machine at work. The excitation is assumed to be broadband. The modes \
+                 explain {percent:.1} % of the variation of its spectrum."
             ),
         }];
         if self.vibration.used < 1.0 {
@@ -70,8 +70,8 @@ impl Alone {
         let one = |(axis, hertz): &(char, f64)| format!("{hertz:.3} Hz along {axis}");
         let all: Vec<String> = of.iter().map(one).collect();
         Some(format!(
-            "Strongest: {}. The model has the modes of all axes; an axis of the machine that excites only its own is shaped for it \
-             by --mode F,XI in the place of --model.",
+            "Strongest: {}. The model has the modes of all axes; where an axis of the machine excites only one of them, \
+             shape that axis with --mode F,XI in the place of --model.",
             all.join(", ")
         ))
     }
@@ -101,13 +101,13 @@ fn left_out(one: &LeftOut) -> String {
     match one.reason {
         Reason::Distortion { order, of } => format!(
             "{what}. Its frequency and phase are {order} times those of {of:.3} Hz, and it decays as fast or faster: a nonlinear sensor or spring \
-             makes it of that mode."
+             makes it from that mode."
         ),
         Reason::Beside { of } => format!(
-            "{what}. It lies within the width of {of:.3} Hz, and may be how that mode departs from an exponential decay."
+            "{what}. It lies within the width of the mode of {of:.3} Hz. That mode may not decay exponentially, which looks the same."
         ),
         Reason::Undamped => format!(
-            "{what}. Its damping is not told from zero, as that of a motor's or the mains' hum: it is no free decay."
+            "{what}. Its damping cannot be told from zero, as with the hum of a motor or of the mains: it is no free decay."
         ),
     }
 }

@@ -41,7 +41,7 @@ pub fn recommended(findings: &Findings, best: &Recommended) -> String {
                        unbiased method has a smaller deviation there."
             .into(),
         Why::TwoModes => "The likelihood ratio excludes one mode.".into(),
-        Why::OffLine => "No estimator gave a mode sample by sample.".into(),
+        Why::OffLine => "No on-line estimator gave a mode.".into(),
     };
     format!("{}, by {}. {why}", modes.join(" and "), best.method)
 }
@@ -92,8 +92,8 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
     }
     if found.memory.is_finite() && found.known_input_holds != Some(false) {
         remarks.push(format!(
-            "The measured motor side does not explain the vibration to the end. The vibration is taken as \
-             free again after every {:.2} s.",
+            "The measured motor side explains the vibration only for a while. The vibration is fitted in pieces \
+             of {:.2} s, each with a free start.",
             found.memory
         ));
     }
@@ -138,7 +138,7 @@ fn long(found: &Identification) -> Option<String> {
     let Stretch { from, until } = found.whole.shown;
     let fit = match found.is_fit_of_part() {
         true => {
-            "over the whole the batch fit leaves the range of frequencies, and what is told of it is of the part"
+            "over the whole the batch fit leaves the range of frequencies, so that its values are those of the part"
         }
         false => "the batch fit goes on from there over the whole",
     };
@@ -159,7 +159,7 @@ fn long(found: &Identification) -> Option<String> {
 fn doubted(second: UncertainMode) -> String {
     format!(
         "With the motion as known input a second mode, {}, explains more than noise. The free decay does not show it: it is \
-         more likely an error of clocks or of the motor side's sensor, and is not in what is recommended.",
+         more likely an error of the clocks or of the motor side's sensor. It is not recommended.",
         quoted(second)
     )
 }
@@ -179,8 +179,8 @@ fn contradictions(best: &Recommended) -> Option<String> {
     };
     (frequency > 0.0 || damping > 0.0).then(|| {
         format!(
-            "{what} by more than the deviations: by {} Hz and {} of the damping ratio, which are in the deviations that are \
-             told. {why}.",
+            "{what} by more than the standard deviations: by {} Hz, and by {} in the damping ratio. The standard deviations \
+             above include this. {why}.",
             figure(frequency / core::f64::consts::TAU),
             figure(damping),
         )
@@ -198,7 +198,7 @@ fn damping(findings: &Findings) -> Option<String> {
     let dependence = findings.found.amplitude_dependence.as_ref()?;
     let [first, last] = dependence.ends();
     let word = if dependence.falls_with_amplitude() {
-        "falls as the amplitude does"
+        "falls with the amplitude"
     } else if dependence.grows_as_amplitude_falls() {
         "grows as the amplitude falls, as dry friction makes it"
     } else {

@@ -102,8 +102,8 @@ pub fn at_most(bounds: Option<Bounds>) -> String {
         departure => format!(" and {:.3} mm from its path", 1e3 * departure),
     };
     format!(
-        "The fastest move within the tolerance leaves at most {:.2} % of the unshaped vibration, {:.4} mm at the tip{path}, \
-         wherever within two standard deviations the modes are.\n",
+        "The fastest move within the tolerance leaves at most {:.2} % of the unshaped vibration, {:.4} mm at the tip{path}. \
+         This holds for all modes within two standard deviations of the learned ones.\n",
         100.0 * bounds.residual,
         1e3 * bounds.vibration,
     )

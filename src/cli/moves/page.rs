@@ -143,8 +143,8 @@ fn table(comparison: &Comparison) -> Table {
     }
     table.note(
         "Residual: peak of the true deformation at the tip after the command has ended and the motor \
-         side has followed. Whole move: the same in cruise and at the end, beside the phases of planned \
-         acceleration as the train draws them out. Settling: until the tip stays within 0.05 mm of its target.",
+         side has followed. Whole move: the same in cruise and at the end, outside the planned phases of \
+         acceleration and the length of the train after each. Settling: until the tip stays within 0.05 mm of its target.",
     )
 }
 

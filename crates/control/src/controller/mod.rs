@@ -33,7 +33,7 @@ use quell_signal::Measurement;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LoadError {
     /// The plan does not move one axis.
-    #[error("the plan moves {0} axes, a controller one")]
+    #[error("the plan moves {0} axes; a controller takes a plan of one")]
     Axes(usize),
     /// The plan was sampled at another period than the control period.
     #[error("the plan is sampled every {found} s, the control period is {expected} s")]

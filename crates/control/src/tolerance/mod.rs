@@ -94,7 +94,7 @@ pub enum ToleranceError {
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// A number of the tolerance is not valid.
-    #[error("the {what} that is allowed is {value}, it must be finite and above 0")]
+    #[error("the allowed {what} is {value}; it must be finite and above 0")]
     Value {
         /// Residual or deviation.
         what: &'static str,
@@ -109,7 +109,7 @@ pub enum ToleranceError {
     },
     /// No tried move has a residual this small.
     #[error(
-        "no move of up to {longest:.3} s leaves so little for modes that are known only so well{}",
+        "no move of up to {longest:.3} s keeps the tolerance within two standard deviations of the modes{}",
         self::needs(needed)
     )]
     Unattainable {

@@ -119,8 +119,8 @@ pub fn sentence(comparison: &PathComparison) -> String {
     let [own, common] =
         [PathKind::OwnTrainsNext, PathKind::CommonTrainNext].map(|kind| comparison.trace(kind));
     format!(
-        "With a train for each joint the command leaves the straight line by {:.3} deg, with a common train by \
-         {:.3} deg; the common train adds {:.0} ms to the move, trains for each joint {:.0} ms.",
+        "With a train for each joint the command leaves the straight line by {:.3} deg; with a common train, by \
+         {:.3} deg. The common train adds {:.0} ms to the move; a train for each joint adds {:.0} ms.",
         off_the_path(own),
         off_the_path(common),
         common.added_delay() * 1e3,
