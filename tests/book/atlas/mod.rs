@@ -116,9 +116,9 @@ fn index(entries: &[Entry]) -> String {
     format!(
         "# The atlas of effects\n\nOne page for each effect of the catalogue. Each shows the effect at its typical size in a standard \
          motion: two large moves there and back, then two small ones. The pictures and figures are simulated. They \
-         come from two machines: a {}, and for what only a drive does a {}.\n\n\
-         ## By symptom\n\nWhat somebody notices who watches the machine or its reading. Of ringing, stops and delays the standard motion \
-         decides, at the typical size of the effect; the others follow from its physics.\n\n{}\
+         come from two machines: a {}, and, for the effects of a drive, a {}.\n\n\
+         ## By symptom\n\nWhat somebody notices who watches the machine or its reading. Ringing, stops and delays are read from the \
+         standard motion, at the typical size of the effect. The other symptoms follow from its physics.\n\n{}\
          ## By place\n\n{}\
          ## How small an effect can be seen\n\nEach page tells the least size that each sensor sees in the standard motion, \
          above a white noise that it names. The misfit `r` is that of the effect \

@@ -7,10 +7,9 @@ pub fn page() -> String {
     let text = listed();
     let mut parts = text.split("\n\n").skip(1);
     let mut page = String::from(
-        "# The configuration `quell.toml`\n\n`quell serve --config quell.toml` reads it. Every table may be left out, and every key that is not said \
-         to be needed. \
-         `quell serve --print-config` prints this list: a value that stands here is the default; a key without a \
-         value has none.\n\n",
+        "# The configuration `quell.toml`\n\n`quell serve --config quell.toml` reads it. Every table may be left out. So may every \
+         key, unless it is said to be needed. `quell serve --print-config` prints this list. A value in it is the default. A key \
+         without a value has no default.\n\n",
     );
     let mut sections = Vec::new();
     for part in &mut parts {
