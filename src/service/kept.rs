@@ -35,7 +35,7 @@ impl Kept {
             false => None,
         };
         let file = StateFile::within(&config.data, disk.clone());
-        let mut state = file.load();
+        let mut state = file.load(config.period);
         state.starts += 1;
         if let Some(shelf) = &shelf {
             state.agree_with(|name| shelf.path(name).is_ok(), shelf.last_move()?);

@@ -1,10 +1,12 @@
 //! The state that outlives the process: the last good modes, and the last moves, in one JSON file.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use quell_shapers::Mode;
 use serde::{Deserialize, Serialize};
 use tracing::warn;
 
@@ -69,6 +71,26 @@ pub struct LearnedMode {
 }
 
 impl JointState {
+    /// Removes what no arm has, and says what and why. A frequency is above 0 and below `nyquist` (Hz).
+    fn refuse_impossible(&mut self, nyquist: f64) -> Vec<String> {
+        let mut reasons = Vec::new();
+        self.modes.retain(|learned| {
+            let reason = learned.impossible(nyquist);
+            let payload = learned.payload_kg;
+            let told = |reason: &String| format!("mode with {payload} kg: {reason}");
+            reasons.extend(reason.iter().map(told));
+            reason.is_none()
+        });
+        if let Some(map) = &mut self.map {
+            let refused = map.refuse_impossible(TAU * nyquist);
+            reasons.extend(refused.iter().map(|reason| format!("map, {reason}")));
+        }
+        if self.map.take_if(|map| !map.is_valid()).is_some() {
+            reasons.push("map: its sums are not valid, or it has too many modes".to_owned());
+        }
+        reasons
+    }
+
     /// The mode last learned with a payload.
     pub fn with_payload(&self, payload: f64) -> Option<&LearnedMode> {
         let same = |learned: &&LearnedMode| (learned.payload_kg - payload).abs() <= SAME_PAYLOAD;
@@ -82,6 +104,20 @@ impl JointState {
         self.modes.push(learned);
         if self.modes.len() > PAYLOADS {
             self.modes.remove(0);
+        }
+    }
+}
+
+impl LearnedMode {
+    fn impossible(&self, nyquist: f64) -> Option<String> {
+        let f = self.mode.frequency_hz;
+        match f > 0.0 && f < nyquist {
+            true => Mode::try_from(self.mode)
+                .err()
+                .map(|error| error.to_string()),
+            false => Some(format!(
+                "{f} Hz is not between 0 and {nyquist} Hz, half of the control rate"
+            )),
         }
     }
 }
@@ -102,47 +138,60 @@ impl StateFile {
         }
     }
 
-    /// The saved state. A file that cannot be read or understood is set aside with a warning, so that the next
-    /// state does not overwrite it. The service then starts without its memory.
-    pub fn load(&self) -> State {
+    /// The saved state, for a control period (s). A file that cannot be read or understood is set aside with a warning, so
+    /// that the next state does not overwrite it. The service then starts without its memory.
+    pub fn load(&self, period: f64) -> State {
         let text = match fs::read(&self.path) {
             Ok(text) => text,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return State::default(),
             Err(error) => return self.set_aside(&error.to_string()),
         };
         match serde_json::from_slice::<State>(&text) {
-            Ok(state) if state.version == VERSION => self.with_valid_maps(state, &text),
+            Ok(state) if state.version == VERSION => self.without_impossible(state, &text, period),
             Ok(state) => self.set_aside(&format!("its version is {}", state.version)),
             Err(error) => self.set_aside(&error.to_string()),
         }
     }
 
-    /// A state without the maps that no learner takes. The file is kept beside the next states then.
-    fn with_valid_maps(&self, mut state: State, text: &[u8]) -> State {
-        let invalid = |map: &mut Memory| !map.is_valid();
+    /// A state without the modes that no arm has. The file is kept beside the next states then.
+    fn without_impossible(&self, mut state: State, text: &[u8], period: f64) -> State {
+        let nyquist = 0.5 / period;
         let joints = state.joints.iter_mut();
-        let lost = joints.filter_map(|(name, joint)| joint.map.take_if(invalid).map(|_| name));
-        let lost: Vec<&str> = lost.map(String::as_str).collect();
-        if !lost.is_empty() {
-            let aside = self.aside();
+        let reasons: Vec<String> = joints
+            .flat_map(|(name, joint)| {
+                let reasons = joint.refuse_impossible(nyquist).into_iter();
+                reasons.map(move |reason| format!("{name}, {reason}"))
+            })
+            .collect();
+        if !reasons.is_empty() {
+            let aside = self.aside(text);
             let kept = match self.disk.write_whole(&aside, text) {
                 Ok(()) => format!("the file is kept as {}", aside.display()),
                 Err(error) => format!("the file cannot be kept: {error}"),
             };
-            warn!(
-                "the map of {} is not valid and is forgotten; {kept}",
-                lost.join(", ")
-            );
+            let (path, reasons) = (self.path.display(), reasons.join("; "));
+            warn!("{path}: {reasons}; this is forgotten; {kept}");
         }
         state
     }
 
-    fn aside(&self) -> PathBuf {
-        self.path.with_extension("json.damaged")
+    /// A name for a damaged file that no other one has, or the one that holds the same bytes.
+    fn aside(&self, text: &[u8]) -> PathBuf {
+        let named = |n: u64| match n {
+            1 => self.path.with_extension("json.damaged"),
+            n => self.path.with_extension(format!("json.damaged.{n}")),
+        };
+        let free = |path: &PathBuf| match fs::read(path) {
+            Ok(held) => held == text,
+            Err(error) => error.kind() == io::ErrorKind::NotFound,
+        };
+        let mut names = (1..).map(named);
+        names.find(free).unwrap_or_else(|| named(1))
     }
 
     fn set_aside(&self, reason: &str) -> State {
-        let aside = self.aside();
+        let text = fs::read(&self.path).unwrap_or_default();
+        let aside = self.aside(&text);
         let moved = self.disk.storage().rename(&self.path, &aside);
         let kept = match moved {
             Ok(()) => format!("set aside as {}", aside.display()),

@@ -90,9 +90,13 @@ fn what_is_learned_calms_the_next_move_and_outlives_a_kill() {
     world.steps(200);
     let before = world.joint();
     assert_eq!(before.phase, Phase::Moving);
+    let known = next.modes.clone();
     drop(world);
     let mut again = embedded(data.path());
     assert_eq!(again.joint().mode, before.mode);
+    // What is in force is shown before the first move.
+    assert!(!known.is_empty());
+    assert_eq!(again.joint().learning.modes, known);
     let first = go(&mut again, 0.5, None);
     assert!(first.id > last, "the number of a move is not given twice");
     let left = first.residual_rad.expect("measured");

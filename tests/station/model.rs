@@ -398,7 +398,7 @@ fn live(ops: &[Op], timed: bool, records: bool) -> Result<(), TestCaseError> {
         lives.judge_shelf()?;
     }
     let file = StateFile::within(lives.data.path(), Disk::default());
-    let _ = file.load();
+    let _ = file.load(0.001);
     Ok(())
 }
 

@@ -136,6 +136,23 @@ impl Engine {
         }
     }
 
+    /// After a restart, shows the modes on the way of each joint's last move again, as far as they are still known.
+    pub(super) fn show_remembered(&mut self) {
+        for joint in &mut self.joints {
+            let name = &joint.config.name;
+            let known = self
+                .state
+                .joints
+                .get(name)
+                .and_then(|state| state.map.as_ref());
+            let known = known.map_or(0, |map| map.modes.len());
+            let last = self.moves.iter().rev().find(|done| done.joint == *name);
+            if let Some(last) = last.filter(|last| last.modes.len() <= known) {
+                joint.learning.view.modes.clone_from(&last.modes);
+            }
+        }
+    }
+
     fn remember(&mut self, joint: String, memory: Memory) {
         let kept = self.state.joints.get(&joint);
         let kept = kept.and_then(|state| state.map.clone());

@@ -165,6 +165,7 @@ impl Engine {
             lessons: parts.lessons,
             endings: Vec::new(),
         };
+        engine.show_remembered();
         engine.begin_embedded();
         engine
     }

@@ -71,6 +71,27 @@ impl Memory {
         self.maps().is_some()
     }
 
+    /// Removes each mode that no arm has, and says why: a frequency that is not above 0 and below `highest` (rad/s), a
+    /// damping ratio that is not from 0 to below 1, or numbers that say nothing.
+    pub fn refuse_impossible(&mut self, highest: f64) -> Vec<String> {
+        let mut reasons = Vec::new();
+        let mut number = 0;
+        self.modes.retain(|mode| {
+            number += 1;
+            let reason = match mode.map() {
+                Some(map) => map.impossible(highest),
+                None => Some(mode.unsound()),
+            };
+            reasons.extend(
+                reason
+                    .iter()
+                    .map(|reason| format!("mode {number}: {reason}")),
+            );
+            reason.is_none()
+        });
+        reasons
+    }
+
     fn maps(&self) -> Option<Vec<ModeMap>> {
         let others = [&self.unexplained, &self.variance];
         let mut numbers = self.outcomes.iter().chain(others);
@@ -138,9 +159,19 @@ impl ModeMemory {
         }
     }
 
+    /// Why it is no map.
+    fn unsound(&self) -> String {
+        let w = self.natural_frequency;
+        match w.is_finite() && w > 0.0 {
+            true => "a number is not finite, or a precision or payload is negative".to_owned(),
+            false => format!("a natural frequency of {w} rad/s is not above 0"),
+        }
+    }
+
     fn map(&self) -> Option<ModeMap> {
-        let sound = self.natural_frequency > 0.0 && self.share.iter().all(|x| x.is_finite());
-        let mut map = sound.then(|| ModeMap::new(self.natural_frequency.ln()))?;
+        let w = self.natural_frequency;
+        let sound = w.is_finite() && w > 0.0 && self.share.iter().all(|x| x.is_finite());
+        let mut map = sound.then(|| ModeMap::new(w.ln()))?;
         if self.described {
             map = ModeMap::of_described(map.reference);
         }

@@ -37,6 +37,8 @@ const LEAST: f64 = 0.05;
 /// Errors of `ln w` and `xi` by the interpolation between nodes and by a slightly nonlinear mode: a train then
 /// leaves less than a third of the dead band of 1 %.
 const UNSEEN: f64 = 0.002;
+/// Standard deviations that chance exceeds on one side once in a thousand times.
+const CERTAIN: f64 = 3.09;
 /// Chi-squared of four unknowns that chance exceeds once in a thousand times.
 const SURPRISE: f64 = 18.5;
 
@@ -179,6 +181,40 @@ impl ModeMap {
             covariance: covariance + SMatrix::from_diagonal_element(UNSEEN * UNSEEN),
             share: self.share[1] / self.share[0].max(f64::MIN_POSITIVE),
         }
+    }
+
+    /// Why no arm has this mode, if none has: on the way of each of its moves `w < highest` (rad/s), an inertia above 0 and
+    /// `0 <= xi < 1` hold, or are missed by chance.
+    pub fn impossible(&self, highest: f64) -> Option<String> {
+        let hertz = |w: f64| w / core::f64::consts::TAU;
+        let too_high = |w: f64| {
+            let (f, most) = (hertz(w), hertz(highest));
+            (w >= highest)
+                .then(|| format!("{f:.4} Hz is not below {most:.4} Hz, half of the control rate"))
+        };
+        let mut ways = self.inertia.blocks().iter().map(|block| &block.places);
+        let on_way = ways.find_map(|places| {
+            let (inertia, damping) = (self.inertia.predict(places), self.damping.predict(places));
+            let frequency = self.log_w(&inertia, places).mean.max().exp();
+            let [c, xi] = [&inertia, &damping]
+                .map(|map| (map.mean[1], map.covariance[(1, 1)].max(0.0).sqrt()));
+            let below_zero = |(mean, std): (f64, f64)| mean + CERTAIN * std < 0.0;
+            if below_zero(c) {
+                return Some(format!(
+                    "an inertia of {:.4} times that of its first move is not above 0",
+                    c.0
+                ));
+            }
+            if below_zero(xi) || xi.0 >= 1.0 {
+                return Some(format!(
+                    "a damping ratio of {:.4} is not from 0 to below 1",
+                    xi.0
+                ));
+            }
+            too_high(frequency)
+        });
+        // Where a description has the inertia, the reference is the frequency of 1 kg m^2, which nothing may have.
+        on_way.or_else(|| too_high(self.reference.exp()).filter(|_| !self.is_described))
     }
 
     /// Adds the result of a move.
