@@ -261,22 +261,32 @@ fn a_rest_judges_nothing() {
     assert!(ran.stderr.contains("nothing moves in"), "{}", ran.stderr);
 }
 
-/// White noise is no machine at work, whatever its draw: strong evidence for a mode is rarer than one draw in a hundred.
+/// Noise is no machine at work, white or coloured (`x_k = a x_{k-1} + e_k`), whatever its draw: strong evidence for a mode
+/// is rarer than one draw in a hundred.
 #[test]
 fn noise_at_rest_has_no_modes() {
     let place = TempDir::new().unwrap();
     let rows = good();
-    let has_modes = |seed: &u64| {
-        let mut random = ChaCha8Rng::seed_from_u64(*seed);
-        let noisy: Vec<Row> = rows
-            .iter()
-            .map(|r| [r[0], 0.3, 6e-6 * random.sample::<f64, _>(StandardNormal)])
-            .collect();
-        write(&place.path().join("noise"), &noisy);
-        quell(place.path(), "identify noise").code != Some(2)
-    };
-    let told: Vec<u64> = (0..100).filter(has_modes).collect();
-    assert!(told.len() <= 2, "of 100 draws these have modes: {told:?}");
+    for colour in [0.0, 0.9] {
+        let has_modes = |seed: &u64| {
+            let mut random = ChaCha8Rng::seed_from_u64(*seed);
+            let mut value = 0.0;
+            let noisy: Vec<Row> = rows
+                .iter()
+                .map(|r| {
+                    value = colour * value + 6e-6 * random.sample::<f64, _>(StandardNormal);
+                    [r[0], 0.3, value]
+                })
+                .collect();
+            write(&place.path().join("noise"), &noisy);
+            quell(place.path(), "identify noise").code != Some(2)
+        };
+        let told: Vec<u64> = (0..100).filter(has_modes).collect();
+        assert!(
+            told.len() <= 2,
+            "of 100 draws of colour {colour} these have modes: {told:?}"
+        );
+    }
 }
 
 /// A fleet with dead and idle machines does not look healthy.

@@ -19,7 +19,7 @@ pub struct Density {
     pub frequency: Vec<f64>,
     /// One-sided density there, squared unit per hertz.
     pub power: Vec<f64>,
-    /// Lines of the transform that are averaged in it.
+    /// Independent lines of the record that it is worth; below 1 where neighbouring bands share one.
     pub lines: Vec<f64>,
     /// Distance of independent lines, Hz.
     pub resolution: f64,
@@ -81,11 +81,35 @@ pub fn density(vibration: &Vibration, [from, to]: [f64; 2], width: f64, tapered:
         density
             .power
             .push(kept.iter().map(|line| power[*line]).sum::<f64>() / lines);
-        // Lines closer than the resolution of the record count as one.
+        // Neighbours closer than the resolution of the record, or smeared by the window, say the same.
         let independent = lines * spacing / resolution / if tapered { SMEARED } else { 1.0 };
-        density.lines.push(independent.max(1.0));
+        density.lines.push(independent);
     }
     density
+}
+
+impl Density {
+    /// Expected sum of the bands' deviances about their true density, `2 M (ln s - psi(s))` each: of a gamma density of shape
+    /// `s = max(M, 1)`, as a single line has an exponential one. `ln s - psi(s)` is about `1 / 2 s + 1 / 12 s^2`; at 1 it is
+    /// Euler's constant.
+    pub fn chance(&self) -> f64 {
+        let band = |lines: &f64| 2.0 * lines * ln_over_digamma(lines.max(1.0));
+        self.lines.iter().map(band).sum()
+    }
+}
+
+/// `ln x - psi(x)`, from 1: to 1e-6 by `psi(x) = psi(x + 1) - 1 / x` and the asymptotic series from 4 on.
+///
+/// Source: NIST Digital Library of Mathematical Functions, 5.5.2 and 5.11.2.
+fn ln_over_digamma(x: f64) -> f64 {
+    let (mut at, mut below) = (x, 0.0);
+    while at < 4.0 {
+        below += 1.0 / at;
+        at += 1.0;
+    }
+    let square = 1.0 / (at * at);
+    let series = 0.5 / at + square * (1.0 / 12.0 - square * (1.0 / 120.0 - square / 252.0));
+    x.ln() - at.ln() + series + below
 }
 
 /// Lines of rotation at constant speed, with their neighbours: they exceed the surrounding lines by more than

@@ -29,6 +29,8 @@ const STARTS: [f64; 3] = [0.01, 0.03, 0.1];
 const EXCITATIONS: [f64; 2] = [0.0, 2.0];
 /// Bayesian evidence that is very strong (Kass and Raftery 1995).
 const STRONG: f64 = 10.0;
+/// Standard deviations that chance exceeds on one side once in twenty times.
+const CERTAIN: f64 = 1.645;
 /// Factors on the sweep's ends that exclude the edges, where its spectrum falls.
 const ENDS: [f64; 2] = [1.05, 0.96];
 /// Least number of cycles in the record, and largest share of the rate, for modes of a machine at work.
@@ -302,24 +304,22 @@ impl<'a> Problem<'a> {
         let bands = self.density.power.len() as f64;
         // Modes that fit chance leave less than chance.
         let dispersion = self.dispersion(last).max(1.0);
-        let score = |model: &&Minimum| model.cost / dispersion + model.at.len() as f64 * bands.ln();
+        let needed = |model: &Minimum| {
+            let unknowns = model.at.len() - SHARED;
+            unknowns as f64 * bands.ln() + (unknowns / EACH) as f64 * STRONG
+        };
+        let score = |model: &&Minimum| model.cost / dispersion + needed(model);
         let best = models.iter().min_by(|a, b| score(a).total_cmp(&score(b)));
         let found = best.map_or(0.0, |best| (models[0].cost - best.cost) / dispersion);
-        let unknowns = best.map_or(0, |best| best.at.len() - SHARED);
-        let modes = (unknowns / EACH).max(1);
-        let needed = unknowns as f64 * bands.ln() + modes as f64 * STRONG;
+        let needed = best.map_or(0.0, needed).max(STRONG);
         (best.filter(|_| found >= needed), found, needed)
     }
 
-    /// Deviance per degree of freedom; 1 by chance alone.
+    /// Deviance over its expectation by chance alone.
     fn dispersion(&self, model: &Minimum) -> f64 {
-        let freedom = self
-            .density
-            .power
-            .len()
-            .saturating_sub(model.at.len())
-            .max(1);
-        model.cost / freedom as f64
+        let bands = self.density.power.len();
+        let freedom = bands.saturating_sub(model.at.len()).max(1);
+        model.cost * bands as f64 / (self.density.chance() * freedom as f64)
     }
 
     fn explained(&self, best: Option<&Minimum>) -> f64 {
@@ -363,10 +363,10 @@ impl<'a> Problem<'a> {
             let Ok(known) = Mode::from_hertz(frequency, ratio) else {
                 continue;
             };
-            // Its width must differ, by two standard deviations, from zero and from that of drift whose peak is
-            // not half above its floor.
+            // Its width must be more than zero and less than that of drift whose peak is not half above its floor.
             let ratio_std = ratio * (1.0 - ratio / DRIFT) * variance(place + 1, place + 1).sqrt();
-            let is_told = 2.0 * ratio_std < ratio && ratio + 2.0 * ratio_std < 0.5 * DRIFT;
+            let beyond = CERTAIN * ratio_std;
+            let is_told = beyond < ratio && ratio + beyond < 0.5 * DRIFT;
             if narrow || !inside || !is_told {
                 continue;
             }
