@@ -345,6 +345,25 @@ fn noise_and_a_tone_tell_no_mode() {
     }
 }
 
+/// An accelerometer that shows one value is told so, and no motor side is asked for.
+#[test]
+fn an_accelerometer_that_shows_one_value_says_nothing() {
+    let mut text = String::from("time_s,accel_g\n");
+    for k in 0..1000 {
+        writeln!(text, "{:.3},0.98", f64::from(k) / RATE).unwrap();
+    }
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("run.csv"), text).unwrap();
+    let mut command = Command::cargo_bin("quell").unwrap();
+    let run = command
+        .current_dir(folder.path())
+        .args(["identify", "run.csv"])
+        .assert()
+        .code(2);
+    let stderr = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+    assert!(stderr.contains("nothing vibrates"), "{stderr}");
+}
+
 /// The mode in which the other direction of a printer rings a little: Hz, damping ratio, share.
 const ACROSS: [f64; 3] = [64.0, 0.05, 0.1];
 

@@ -72,8 +72,8 @@ pub enum IdentificationError {
     /// It was stopped before its time.
     #[error("the identification was stopped before its time")]
     Stopped,
-    /// The deformation does not vary.
-    #[error("the deformation does not vary: nothing vibrates in this recording")]
+    /// What is measured of the link does not vary.
+    #[error("nothing that is measured of the link varies: nothing vibrates in this recording")]
     Still,
 }
 

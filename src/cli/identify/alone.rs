@@ -72,7 +72,9 @@ pub fn is_alone(recording: &Recording) -> bool {
     let moves = motor_side(recording).is_some_and(Channel::varies);
     let driven = moves && LINK.into_iter().any(has);
     let torque = !moves && varies(recording, Role::Torque);
-    (has_link(recording) || torque) && !driven
+    // Of a link that does not vary it says that, and does not ask for a motor side.
+    let only = motor_side(recording).is_none() && LINK.into_iter().chain(VIBRATING).any(has);
+    (has_link(recording) || torque || only) && !driven
 }
 
 /// The input of an axis of which nothing beyond the motor side is measured, which this verb can tell nothing of.
@@ -94,7 +96,7 @@ pub fn refuse_rigid(recording: &Recording) -> Result<(), CliError> {
         CliError::input(format!(
             "{}: {input} is what drives the motor side, and no channel tells how a link vibrates. Record \
              link_position, deformation or tip_acceleration beside it; or compare the axis with a model of it, \
-             MODEL.toml with the lines kind = \"rigid_axis\" and mass = a number (inertia, where it turns): \
+             MODEL.toml with the lines kind = \"rigid_axis\" and mass = a number (kg; kg.m^2 where it turns): \
              quell diagnose --model MODEL.toml",
             recording.name
         ))
