@@ -31,6 +31,9 @@ use crate::learning::{Inertia, LearnerSettings};
 use crate::plant::{ArmSimulation, SimulationError, SimulationOptions};
 use crate::signal::{Clock, DeformationSensor};
 
+#[cfg(test)]
+mod range_fault;
+
 /// Displacement of the embedded arm's commissioning move, rad: as `quell move`, 30 degrees or less.
 const COMMISSIONING: f64 = 0.25;
 

@@ -7,6 +7,14 @@ use super::running::ROUNDING;
 use crate::service::between::inexact;
 use crate::service::contract::ServiceError;
 
+#[cfg(test)]
+impl super::Engine {
+    /// Plans the first joint within another range (rad) than the tick keeps, as a fault of the service would.
+    pub(in crate::service) fn mistake_range(&mut self, range: [f64; 2]) {
+        self.joints[0].config.range = range;
+    }
+}
+
 /// Checks that a plan stays within the joint's range, or between it and where the joint is. The command does then:
 /// it is a mean of what was planned.
 pub fn check_range(joint: &Joint, plan: &SampledTrajectory) -> Result<(), ServiceError> {
