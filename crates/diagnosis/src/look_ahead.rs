@@ -22,7 +22,8 @@ impl Search<'_> {
             return false;
         }
         let mut ahead = pool.clone();
-        for own in [pool.baseline(), pool.best(self.judge)] {
+        let best = Some(pool.best(self.judge)).filter(|own| own.terms() > 0 && !own.is_learned());
+        for own in std::iter::once(pool.baseline()).chain(best) {
             self.pairs(own).into_iter().for_each(|pair| ahead.add(pair));
         }
         for count in 1..MOST_EFFECTS {

@@ -29,6 +29,9 @@ const BEGUN: usize = 12;
 /// As many as candidates of one effect.
 const FINISHED: usize = 5;
 
+/// Most values of all changes together: 160 MB.
+const ROOM: usize = 20_000_000;
+
 /// An effect at a size, with what it changes.
 struct Part {
     start: Start,
@@ -68,8 +71,9 @@ fn points(
     linear: &Linearised,
     projector: &Projector,
 ) -> Vec<Point> {
-    let starts = screen(problem, point, linear, projector, (Table::Named, SIZES));
+    let mut starts = screen(problem, point, linear, projector, (Table::Named, SIZES));
     let screen = Screen::new(problem, point, linear, projector);
+    starts.truncate(ROOM / screen.residual().len().max(1));
     let parts: Vec<Part> = starts
         .into_par_iter()
         .filter(|_| !problem.is_cut())
@@ -91,6 +95,10 @@ fn points(
     pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut found: Vec<Point> = Vec::new();
     for (_, pair, sizes) in pairs {
+        let [first, second] = pair.map(|part| &part.start.term);
+        if !point.with(first.clone()).has_room_for(second.identity()) {
+            continue;
+        }
         let mut both = point.clone();
         for (part, size) in pair.into_iter().zip(sizes.iter()) {
             both = both.with(part.start.resized(problem, *size));

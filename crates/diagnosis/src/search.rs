@@ -44,8 +44,11 @@ impl Search<'_> {
     pub fn run(&self, pool: &mut Pool) {
         loop {
             while self.grow(pool) {}
-            let is_better =
-                self.learn(pool) || self.name(pool) || self.exchange(pool) || self.look_ahead(pool);
+            let is_better = self.learn(pool)
+                || self.name(pool)
+                || self.exchange(pool)
+                || self.look_ahead(pool)
+                || self.extend_rivals(pool);
             if !is_better {
                 return;
             }
@@ -110,24 +113,20 @@ impl Search<'_> {
     /// The next structure to extend. Structures of named laws come first: before they are complete, learned
     /// laws would outrank them. A structure with a learned law follows only if it is the best of all.
     fn next(&self, pool: &Pool) -> Option<Explanation> {
-        let temperature = pool.temperature(self.judge);
-        let ranked = pool.ranked(temperature);
+        let ranked = pool.ranked(pool.temperature(self.judge));
         let (learned, named): (Vec<_>, Vec<_>) = ranked.iter().partition(|own| own.0.is_learned());
-        let (best, highest) = ranked[0];
-        let is_noise = self.leaves_noise(best);
-        // If only noise is left, nothing masks a further effect: the others matter if they could become credible.
-        let one = self.problem.log_prior_of_one();
-        let least = highest + (1.0 - CREDIBLE).ln();
-        let is_hopeful = |own: Ranked| !is_noise || pool.hope(own, one, temperature) > least;
+        let best = ranked[0].0;
+        // If only noise is left, nothing masks a further effect.
+        let beam = if self.leaves_noise(best) { 1 } else { BEAM };
         // If no single effect is worth it, two together may be.
-        let ahead = usize::from(!is_noise && best.terms() == 0);
-        let next = match best.is_learned() && is_noise {
+        let ahead = usize::from(beam > 1 && best.terms() == 0);
+        let next = match best.is_learned() && beam == 1 {
             true => None,
-            false => open(pool, &named, ahead, is_hopeful),
+            false => open(pool, &named, (beam, ahead)),
         };
         next.or_else(|| {
             best.is_learned()
-                .then(|| open(pool, &learned, 0, |_| false))
+                .then(|| open(pool, &learned, (1, 0)))
                 .flatten()
         })
     }
@@ -174,6 +173,42 @@ impl Search<'_> {
         !pool.best(self.judge).is_like(&best)
     }
 
+    /// If only noise is left, extends the other structures that could become credible. Returns whether there is a better
+    /// explanation.
+    fn extend_rivals(&self, pool: &mut Pool) -> bool {
+        let before = pool.best(self.judge).clone();
+        while !self.is_over()
+            && pool.best(self.judge).is_like(&before)
+            && let Some(rival) = self.rival(pool)
+        {
+            self.extend_by(pool, &rival, Table::Named);
+        }
+        !pool.best(self.judge).is_like(&before)
+    }
+
+    /// A structure that is not extended yet, and that one more effect could bring into the credible set of an explanation
+    /// that leaves only noise. It has as many effects, or one less: simpler ones were extended while more than noise was left.
+    fn rival(&self, pool: &Pool) -> Option<Explanation> {
+        let temperature = pool.temperature(self.judge);
+        let ranked = pool.ranked(temperature);
+        let (best, highest) = ranked[0];
+        if best.is_learned() || !self.leaves_noise(best) {
+            return None;
+        }
+        let one = self.problem.log_prior_of_one();
+        let least = highest + (1.0 - CREDIBLE).ln();
+        let is_rival = |own: &&(&Explanation, f64)| {
+            !pool.is_extended(own.0, Table::Named) && pool.hope(**own, one, temperature) > least
+        };
+        let mut counts = best.terms().saturating_sub(1)..=best.terms();
+        counts.find_map(|count| {
+            let named = ranked
+                .iter()
+                .filter(|own| own.0.terms() == count && !own.0.is_learned());
+            named.take(BEAM).find(is_rival).map(|own| own.0.clone())
+        })
+    }
+
     /// Extends a structure by the laws of a table, unless that was done, or the search is over.
     fn extend_new(&self, pool: &mut Pool, own: &Explanation, table: Table, is_over: bool) {
         match pool.is_extended(own, table) {
@@ -184,22 +219,18 @@ impl Search<'_> {
     }
 }
 
-/// An explanation with its log evidence.
-type Ranked<'a> = (&'a Explanation, f64);
-
-/// The first structure, from few effects to many, that is not extended yet and is the best of its number of
-/// effects, or is hopeful and in the beam. The search goes on to more effects only while their best is not worse
-/// than with fewer; `ahead` effects are always allowed.
+/// The first structure, from few effects to many, that is in the beam of its number of effects and not extended
+/// yet. The search goes on to more effects only while their best is not worse than with fewer; `ahead` effects
+/// are always allowed.
 fn open(
     pool: &Pool,
-    ranked: &[Ranked],
-    ahead: usize,
-    is_hopeful: impl Fn(Ranked) -> bool,
+    ranked: &[(&Explanation, f64)],
+    (beam, ahead): (usize, usize),
 ) -> Option<Explanation> {
     let mut least = f64::NEG_INFINITY;
     for count in 0..MOST_EFFECTS {
         let level = ranked.iter().filter(|own| own.0.terms() == count);
-        let level: Vec<_> = level.take(BEAM).collect();
+        let level: Vec<_> = level.take(beam).collect();
         let Some(best) = level.first() else {
             continue;
         };
@@ -207,11 +238,11 @@ fn open(
             return None;
         }
         least = least.max(best.1);
-        let open = |&(rank, own): &(usize, &&Ranked)| {
-            !pool.is_extended(own.0, Table::Named) && (rank == 0 || is_hopeful(**own))
-        };
-        if let Some((_, next)) = level.iter().enumerate().find(open) {
-            return Some(next.0.clone());
+        let open = level
+            .iter()
+            .find(|own| !pool.is_extended(own.0, Table::Named));
+        if let Some((next, _)) = open {
+            return Some((*next).clone());
         }
     }
     None
