@@ -2,6 +2,7 @@
 
 mod amplitude;
 mod evidence;
+mod input_noise;
 mod motor_side;
 mod nominal_model;
 pub mod output_only;
@@ -26,6 +27,7 @@ pub use stretches::Stretch;
 pub use told_mode::ToldMode;
 
 use evidence::Evidence;
+use input_noise::White;
 use run::Input;
 use stop::{Stop, check};
 use stretches::FreeDecay;
@@ -151,8 +153,13 @@ pub fn identify_until(
     check(stop)?;
     let (fitted, fit) = whole_fit::follow(samples, part, &settings, fit);
     check(stop)?;
+    let white = fit
+        .as_ref()
+        .and_then(|fit| White::of(fitted, fit, &settings));
+    check(stop)?;
+    let best_fit = white.as_ref().map(|white| &white.fit).or(fit.as_ref());
     let (free_decays, known_input_holds) =
-        free_decays(samples, &decays, (&settings, stop), fit.as_ref());
+        free_decays(samples, &decays, (&settings, stop), best_fit);
     check(stop)?;
     let best_decay = strongest(&free_decays);
     if best_decay.is_none() {
@@ -164,7 +171,12 @@ pub fn identify_until(
         .as_ref()
         .map_or(0.0, |fit| 1.0 - explained_not(fitted, fit));
     Ok(Identification {
-        whole: Run::whole(samples, part, &settings, (fitted, fit.as_ref())),
+        whole: Run::whole(
+            samples,
+            part,
+            &settings,
+            (fitted, fit.as_ref(), white.as_ref()),
+        ),
         free_decays,
         known_input_holds,
         explained,

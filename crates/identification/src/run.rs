@@ -2,6 +2,7 @@
 
 use quell_shapers::Mode;
 
+use super::input_noise::White;
 use super::stretches::{self, FreeDecay, Stretch};
 use quell_control::estimators::offline::{BatchFit, Extremum, batch_fit, fourier, mode_of_extrema};
 use quell_control::estimators::{ESTIMATORS, Estimate, EstimatorEntry, Sample, Settings};
@@ -87,7 +88,8 @@ pub struct Run {
 }
 
 impl Run {
-    /// The whole recording with the motor side as known input, and its batch fit with the samples of that.
+    /// The whole recording with the motor side as known input, and its batch fit with the samples of that. Batch fit
+    /// and estimators that state their error receive the samples whose noise is white, if these differ.
     ///
     /// In a long recording the estimators receive a `part`. The likelihoods lose nothing by that, since they
     /// only use a window of 65 536 samples at most. The algebraic estimators sum over all samples, so that
@@ -96,20 +98,26 @@ impl Run {
         samples: &[Sample],
         part: &[Sample],
         settings: &Settings,
-        (fitted, fit): (&[Sample], Option<&BatchFit>),
+        (fitted, fit, white): (&[Sample], Option<&BatchFit>, Option<&White>),
     ) -> Self {
         let counted_from = stretches::motion_from(part);
         let estimators = ESTIMATORS.iter().filter(|line| line.uses_motion);
+        let shown = Stretch::all(part);
+        let samples_for = |line: &EstimatorEntry| match white {
+            Some(white) if line.states_error => shown.of(&white.samples),
+            _ => part,
+        };
+        let batch = white.map(|white| &white.fit).or(fit);
         Self {
             stretch: Stretch::all(samples),
-            shown: Stretch::all(part),
+            shown,
             fitted: Stretch::all(fitted),
             counted_from,
             is_free_decay: false,
             on_line: estimators
-                .map(|line| on_line(line, part, settings, counted_from))
+                .map(|line| on_line(line, samples_for(line), settings, counted_from))
                 .collect(),
-            off_line: fit.into_iter().map(batch_reference).collect(),
+            off_line: batch.into_iter().map(batch_reference).collect(),
             energy: energy(fitted, fit),
             extrema: Vec::new(),
         }

@@ -1,5 +1,6 @@
 //! The batch fit of the whole recording: searched in a part of it, then continued over all.
 
+use super::input_noise::White;
 use quell_control::estimators::offline::{BatchFit, batch_fit, batch_fit_near};
 use quell_control::estimators::{Sample, Settings};
 
@@ -7,13 +8,16 @@ use quell_control::estimators::{Sample, Settings};
 ///
 /// The vibration is set free again after every one and a half periods if that halves the residual's variance,
 /// with each fit's number of unknowns allowed for; with hundreds of samples chance changes it by a tenth. If
-/// so, the measured motion of the motor side does not explain the vibration.
+/// so, the measured motion of the motor side does not explain the vibration. The vibration that the noise of the
+/// motor side's sensor makes in the model counts for that noise alone ([`White`]).
 pub fn trusted_memory(samples: &[Sample], settings: Settings) -> (Settings, Option<BatchFit>) {
     let Some(carried) = batch_fit(samples, &settings, true) else {
         return (settings, None);
     };
     let mut period = carried.mode.damped_period();
-    let limit = 0.5 * carried.residual_std.powi(2);
+    let white = White::of(samples, &carried, &settings);
+    let left = white.map_or(carried.residual_std, |white| white.fit.residual_std);
+    let limit = 0.5 * left.powi(2);
     let mut shorter = None;
     // Twice, since the frequency for the first memory may come from a poor fit.
     for _ in 0..2 {

@@ -29,6 +29,8 @@ pub struct BatchFit {
     pub scale: f64,
     /// Constant offset of the deformation.
     pub offset: f64,
+    /// Vibration at the first sample: amplitudes of `Re e^(lambda t)` and `Im e^(lambda t)`.
+    pub free: [f64; 2],
     /// Standard deviation of the residual.
     pub residual_std: f64,
     /// First autocorrelation of the residual; white noise leaves about 0.
@@ -99,6 +101,7 @@ fn conclude(problem: &Problem<'_>) -> Option<BatchFit> {
         gain: (problem.point[5], std[5]),
         scale: 1.0 + problem.point[4],
         offset: problem.point[2],
+        free: problem.first_free(),
         residual_std: variance.sqrt(),
         correlation,
         residual,

@@ -74,6 +74,13 @@ impl<'a> Problem<'a> {
         self.stretches.len()
     }
 
+    /// Amplitudes of the first stretch's free decay.
+    pub fn first_free(&self) -> [f64; 2] {
+        self.stretches
+            .first()
+            .map_or([0.0; 2], |stretch| stretch.free.into())
+    }
+
     /// The mode at the point.
     pub fn mode(&self) -> Option<Mode> {
         mode(&self.point, self.settings.frequency_range)
