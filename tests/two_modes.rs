@@ -349,7 +349,6 @@ fn val_noise_of_the_input_is_no_second_mode() {
     // Of 48 scores three standard deviations of their rms are a third.
     let rms = (scores.iter().map(|z| z * z).sum::<f64>() / scores.len() as f64).sqrt();
     assert!(rms < 1.33, "{rms} {scores:?}");
-    // One in ten is still told as two; of the unwhitened it is more than one in two. Three standard deviations of a
-    // tenth of 24 are five beside these.
+    // One in ten may still be told as two. Three standard deviations of a tenth of 24 are five beside these.
     assert!(two <= 7, "{two} of 24");
 }

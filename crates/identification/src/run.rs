@@ -89,7 +89,8 @@ pub struct Run {
 
 impl Run {
     /// The whole recording with the motor side as known input, and its batch fit with the samples of that. Batch fit
-    /// and estimators that state their error receive the samples whose noise is white, if these differ.
+    /// and estimators that state their error receive the samples whose noise is white, if these differ;
+    /// a second mode must show without that, too.
     ///
     /// In a long recording the estimators receive a `part`. The likelihoods lose nothing by that, since they
     /// only use a window of 65 536 samples at most. The algebraic estimators sum over all samples, so that
@@ -103,9 +104,15 @@ impl Run {
         let counted_from = stretches::motion_from(part);
         let estimators = ESTIMATORS.iter().filter(|line| line.uses_motion);
         let shown = Stretch::all(part);
-        let samples_for = |line: &EstimatorEntry| match white {
-            Some(white) if line.states_error => shown.of(&white.samples),
-            _ => part,
+        let of = |line, samples| on_line(line, samples, settings, counted_from);
+        let run = |line: &'static EstimatorEntry| match white {
+            Some(white) if line.states_error => {
+                let found = of(line, shown.of(&white.samples));
+                // A departure from one linear mode may pass for a second mode in the filtered samples alone.
+                let plain = found.further.map(|_| of(line, part));
+                plain.filter(|own| own.further.is_none()).unwrap_or(found)
+            }
+            _ => of(line, part),
         };
         let batch = white.map(|white| &white.fit).or(fit);
         Self {
@@ -114,9 +121,7 @@ impl Run {
             fitted: Stretch::all(fitted),
             counted_from,
             is_free_decay: false,
-            on_line: estimators
-                .map(|line| on_line(line, samples_for(line), settings, counted_from))
-                .collect(),
+            on_line: estimators.map(run).collect(),
             off_line: batch.into_iter().map(batch_reference).collect(),
             energy: energy(fitted, fit),
             extrema: Vec::new(),
