@@ -1,8 +1,8 @@
 //! Evidence in the data for physics outside of this joint.
 
+use super::autocorrelation::correlation;
 use super::detrended::detrended;
 use super::found::Found;
-use super::marginal::correlation;
 use super::problem::Problem;
 use super::search::Search;
 use super::thresholds::FLOOR;

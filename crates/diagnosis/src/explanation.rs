@@ -3,10 +3,10 @@
 use super::evidence::Evidence;
 use super::fit::Fitted;
 use super::judge::Judge;
-use super::left::most_of_noise;
 use super::point::{EffectAt, Point};
 use super::problem::Problem;
 use super::projector::Projector;
+use super::thresholds::FLOOR;
 use super::views::Views;
 
 /// A fitted structure and its figures.
@@ -74,7 +74,7 @@ impl Judge<'_> {
         let train = fitted.cost - problem.disbelief(&fitted.point);
         let views = Views::new(self, problem, projector, &fitted.point);
         // If only noise is left, no other shape leaves less.
-        let shaped = train > most_of_noise(self.train_rows);
+        let shaped = train > self.train_rows as f64 * FLOOR;
         let evidence = Evidence::new(problem, &views, &fitted, shaped);
         Explanation {
             train,

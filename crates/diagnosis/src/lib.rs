@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod alternatives;
+mod autocorrelation;
 mod baseline;
 mod basin_hopping;
 mod belief;
@@ -65,6 +66,7 @@ mod quality;
 mod range;
 mod remarks;
 mod residual_of;
+mod rivals;
 mod rounding;
 mod run;
 mod run_of;

@@ -15,6 +15,9 @@ impl Search<'_> {
         let own = &point.terms[term];
         let there = own.effect.limits().filter_map(|simpler| {
             let place = place_of(self.problem, simpler, own.place)?;
+            if !point.without(term).has_room_for((simpler, place)) {
+                return None;
+            }
             self.best_of_grid(point, term, (simpler, place))
         });
         there.collect()

@@ -1,5 +1,6 @@
 //! A marginal likelihood by Laplace's approximation, at any temperature: see [`evidence`](super::evidence).
 
+use super::autocorrelation::correlation;
 use super::views::Both;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -66,29 +67,6 @@ impl Marginal {
 
     pub fn of_held_out(&self, temperature: f64) -> f64 {
         -0.5 * (self.beyond.0 / temperature + self.beyond.1)
-    }
-}
-
-/// Most lags over which a correlation is summed.
-const LAGS: usize = 1000;
-
-/// `sum rho_k^2` over all lags of a series' autocorrelation, less its expectation by chance, at least 1. It is
-/// the factor by which the variance of the mean square exceeds that of as many independent samples.
-///
-/// Source: Bartlett, J. Royal Statistical Society B 8 (1946).
-pub fn correlation(series: &DVector<f64>) -> f64 {
-    let values = series.as_slice();
-    let (n, square) = (values.len(), series.norm_squared());
-    let at = |lag: usize| {
-        let product: f64 = values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum();
-        (product / square).powi(2) - 1.0 / n as f64
-    };
-    let sum: f64 = (1..LAGS.min(n / 4)).map(at).sum();
-    let whole = 1.0 + 2.0 * sum;
-    if whole.is_finite() {
-        whole.max(1.0)
-    } else {
-        1.0
     }
 }
 

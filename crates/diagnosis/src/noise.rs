@@ -1,7 +1,7 @@
 //! The noise floor of an output: level and colour.
 
+use super::autocorrelation::correlation;
 use super::detrended::detrended;
-use super::marginal::correlation;
 use super::noise_colour::colour;
 use super::whitening::Whitening;
 use nalgebra::DVector;

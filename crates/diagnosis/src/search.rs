@@ -3,7 +3,6 @@
 
 use super::candidate::Known;
 use super::explanation::Explanation;
-use super::found::CREDIBLE;
 use super::judge::Judge;
 use super::point::Point;
 use super::pool::Pool;
@@ -171,42 +170,6 @@ impl Search<'_> {
             }
         }
         !pool.best(self.judge).is_like(&best)
-    }
-
-    /// If only noise is left, extends the other structures that could become credible. Returns whether there is a better
-    /// explanation.
-    fn extend_rivals(&self, pool: &mut Pool) -> bool {
-        let before = pool.best(self.judge).clone();
-        while !self.is_over()
-            && pool.best(self.judge).is_like(&before)
-            && let Some(rival) = self.rival(pool)
-        {
-            self.extend_by(pool, &rival, Table::Named);
-        }
-        !pool.best(self.judge).is_like(&before)
-    }
-
-    /// A structure that is not extended yet, and that one more effect could bring into the credible set of an explanation
-    /// that leaves only noise. It has as many effects, or one less: simpler ones were extended while more than noise was left.
-    fn rival(&self, pool: &Pool) -> Option<Explanation> {
-        let temperature = pool.temperature(self.judge);
-        let ranked = pool.ranked(temperature);
-        let (best, highest) = ranked[0];
-        if best.is_learned() || !self.leaves_noise(best) {
-            return None;
-        }
-        let one = self.problem.log_prior_of_one();
-        let least = highest + (1.0 - CREDIBLE).ln();
-        let is_rival = |own: &&(&Explanation, f64)| {
-            !pool.is_extended(own.0, Table::Named) && pool.hope(**own, one, temperature) > least
-        };
-        let mut counts = best.terms().saturating_sub(1)..=best.terms();
-        counts.find_map(|count| {
-            let named = ranked
-                .iter()
-                .filter(|own| own.0.terms() == count && !own.0.is_learned());
-            named.take(BEAM).find(is_rival).map(|own| own.0.clone())
-        })
     }
 
     /// Extends a structure by the laws of a table, unless that was done, or the search is over.
