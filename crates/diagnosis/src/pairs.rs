@@ -95,6 +95,9 @@ fn points(
     pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut found: Vec<Point> = Vec::new();
     for (_, pair, sizes) in pairs {
+        if found.len() == BEGUN {
+            break;
+        }
         let [first, second] = pair.map(|part| &part.start.term);
         if !point.with(first.clone()).has_room_for(second.identity()) {
             continue;
@@ -103,7 +106,7 @@ fn points(
         for (part, size) in pair.into_iter().zip(sizes.iter()) {
             both = both.with(part.start.resized(problem, *size));
         }
-        if found.len() < BEGUN && !found.iter().any(|own| own.structure() == both.structure()) {
+        if !found.iter().any(|own| own.structure() == both.structure()) {
             found.push(both);
         }
     }
