@@ -181,9 +181,10 @@ impl StateFile {
             1 => self.path.with_extension("json.damaged"),
             n => self.path.with_extension(format!("json.damaged.{n}")),
         };
-        let free = |path: &PathBuf| match fs::read(path) {
-            Ok(held) => held == text,
-            Err(error) => error.kind() == io::ErrorKind::NotFound,
+        // Where a folder cannot be read, any name is as good: what follows says why.
+        let free = |path: &PathBuf| match path.try_exists() {
+            Ok(true) => fs::read(path).is_ok_and(|held| held == text),
+            Ok(false) | Err(_) => true,
         };
         let mut names = (1..).map(named);
         names.find(free).unwrap_or_else(|| named(1))

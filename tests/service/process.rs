@@ -56,6 +56,10 @@ fn each_damaged_state_is_kept_aside() {
     let aside = |name: &str| std::fs::read_to_string(data.path().join(name)).expect("a file");
     assert_eq!(aside("state.json.damaged"), "{\"version\":");
     assert_eq!(aside("state.json.damaged.2"), "{\"version\": 1,");
+    // Where a file stands in place of the folder nothing can be kept, and the service starts nevertheless.
+    let no_folder = data.path().join("state.json.damaged");
+    let file = StateFile::within(&no_folder, Disk::default());
+    assert_eq!(file.load(PERIOD), State::default());
 }
 
 /// A map with these figures of its only mode.
