@@ -323,6 +323,19 @@ fn a_position_alone_and_a_motor_that_stands_give_a_decay() {
     holds(&found, &[(4.3, 0.02)]);
 }
 
+/// What `quell identify` says of a file that it refuses.
+fn refusal(text: &str) -> String {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("run.csv"), text).unwrap();
+    let mut command = Command::cargo_bin("quell").unwrap();
+    let run = command
+        .current_dir(folder.path())
+        .args(["identify", "run.csv"])
+        .assert()
+        .code(2);
+    String::from_utf8_lossy(&run.get_output().stderr).into_owned()
+}
+
 #[test]
 fn noise_and_a_tone_tell_no_mode() {
     let mut rng = generator(5);
@@ -332,15 +345,7 @@ fn noise_and_a_tone_tell_no_mode() {
             let value = tone * (TAU * 49.7 * f64::from(k) / RATE).sin() + 0.1 * noise(&mut rng);
             writeln!(text, "{:.3},{value:.6}", f64::from(k) / RATE).unwrap();
         }
-        let folder = TempDir::new().unwrap();
-        std::fs::write(folder.path().join("run.csv"), text).unwrap();
-        let mut command = Command::cargo_bin("quell").unwrap();
-        let run = command
-            .current_dir(folder.path())
-            .args(["identify", "run.csv"])
-            .assert()
-            .code(2);
-        let stderr = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        let stderr = refusal(&text);
         assert!(stderr.contains("no mode was found"), "{stderr}");
     }
 }
@@ -352,15 +357,7 @@ fn an_accelerometer_that_shows_one_value_says_nothing() {
     for k in 0..1000 {
         writeln!(text, "{:.3},0.98", f64::from(k) / RATE).unwrap();
     }
-    let folder = TempDir::new().unwrap();
-    std::fs::write(folder.path().join("run.csv"), text).unwrap();
-    let mut command = Command::cargo_bin("quell").unwrap();
-    let run = command
-        .current_dir(folder.path())
-        .args(["identify", "run.csv"])
-        .assert()
-        .code(2);
-    let stderr = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+    let stderr = refusal(&text);
     assert!(stderr.contains("nothing vibrates"), "{stderr}");
 }
 
