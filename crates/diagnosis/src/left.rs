@@ -6,11 +6,14 @@ use super::judge::Judge;
 use super::locate::Located;
 use super::noise::REDDEST;
 use super::search::Search;
-use super::thresholds::most_of_noise;
+use super::thresholds::FLOOR;
 
 /// Residual, relative to the noise, that is a mismatch even if it cannot be located: no estimate of a noise
 /// level is that far off.
 const CERTAIN: f64 = 1.5;
+
+/// Standard deviations by which noise may exceed its expectation by chance.
+const CHANCE: f64 = 3.0;
 
 impl Judge<'_> {
     /// Whether the residual of an explanation is noise. Possible errors of its laws' shapes are allowed for in
@@ -52,4 +55,11 @@ impl Search<'_> {
         let below = |chi: f64, rows: usize| chi <= times * times * rows as f64;
         below(own.train, self.judge.train_rows) && below(own.held_out, self.judge.held_out_rows)
     }
+}
+
+/// Largest chi-squared of noise in as many rows. Its level is known within a tenth, and the chi-squared of `n` rows has
+/// the standard deviation `sqrt(2 n)`; both errors are independent.
+fn most_of_noise(rows: usize) -> f64 {
+    let scatter = CHANCE * (2.0 / rows.max(1) as f64).sqrt();
+    rows as f64 * (1.0 + (FLOOR - 1.0).hypot(scatter))
 }

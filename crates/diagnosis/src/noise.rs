@@ -62,18 +62,7 @@ fn shown(
     let white = noise_floor(residual).standard_deviation;
     let least = rounding(output).max(f64::MIN_POSITIVE);
     let quiet = quiet(experiment, output, decay);
-    // At rest the recorded signal is noise, too. The model's motion there is not, for example if its start
-    // compensates for missing physics.
-    let quieter = |range: &std::ops::Range<usize>| {
-        let [left, all] =
-            [residual, &output.values].map(|values| detrended(&values[range.clone()]));
-        if power(&all) < power(&left) {
-            all
-        } else {
-            left
-        }
-    };
-    let stretches = quietest(quiet.iter().map(quieter).collect());
+    let stretches = at_rest(output, residual, &quiet);
     let count: usize = stretches.iter().map(Vec::len).sum();
     let views: Vec<&[f64]> = stretches.iter().map(Vec::as_slice).collect();
     let found = match count >= FEWEST {
@@ -99,12 +88,31 @@ fn shown(
     if found.deviation < least || found.innovation < 0.7 * white {
         return Whitening::white(white.max(least));
     }
-    let rest = DVector::from_vec(stretches.concat());
-    let scatter = (correlation(&rest) / (2 * rest.len().max(1)) as f64).sqrt();
-    match 3.0 * scatter < TENTH {
+    match count < FEWEST || 3.0 * scatter(&stretches) < TENTH {
         true => found,
         false => with_motion(restless(experiment, output, residual, frequency), found),
     }
+}
+
+/// The signal in stretches of rest, without its trend. At rest the recorded signal is noise, too. The model's motion there is not,
+/// for example if its start compensates for missing physics.
+fn at_rest(output: &Output, residual: &[f64], quiet: &[std::ops::Range<usize>]) -> Vec<Vec<f64>> {
+    let quieter = |range: &std::ops::Range<usize>| {
+        let [left, all] =
+            [residual, &output.values].map(|values| detrended(&values[range.clone()]));
+        if power(&all) < power(&left) {
+            all
+        } else {
+            left
+        }
+    };
+    quietest(quiet.iter().map(quieter).collect())
+}
+
+/// Relative standard deviation of the level of the noise in these stretches.
+fn scatter(stretches: &[Vec<f64>]) -> f64 {
+    let rest = DVector::from_vec(stretches.concat());
+    (correlation(&rest) / (2 * rest.len()) as f64).sqrt()
 }
 
 /// The noise at a short rest, or that above the vibration, which all samples show, if both are the same one.

@@ -16,19 +16,18 @@ use super::fit::Linearised;
 use super::point::Point;
 use super::problem::Problem;
 use super::projector::Projector;
-use super::screen::{Screen, Start, Table, screen};
+use super::screen::{Screen, Start, Table};
 use super::search::Search;
+use super::successive_halving::HALF;
 use super::thresholds::{LONG, SHORT};
 use nalgebra::{DVector, Matrix2, Vector2};
 use rayon::prelude::*;
 
 /// Sizes of an effect that take part.
 const SIZES: usize = 3;
-/// Pairs whose fits are begun, and those that are carried to their end.
+/// Pairs whose fits are begun: a few more than candidates of one effect, since first order ranks two effects less well. Of
+/// these as many are carried to their end as of one effect.
 const BEGUN: usize = 12;
-/// As many as candidates of one effect.
-const FINISHED: usize = 5;
-
 /// Most values of all changes together: 160 MB.
 const ROOM: usize = 20_000_000;
 
@@ -55,7 +54,7 @@ impl Search<'_> {
         });
         let mut begun: Vec<Descent> = begun.collect();
         begun.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-        begun.truncate(FINISHED);
+        begun.truncate(HALF);
         let finished = begun.into_par_iter().map(|mut descent| {
             descent.run(LONG);
             self.judge.judge(&problem, projector, descent.end())
@@ -71,8 +70,8 @@ fn points(
     linear: &Linearised,
     projector: &Projector,
 ) -> Vec<Point> {
-    let mut starts = screen(problem, point, linear, projector, (Table::Named, SIZES));
     let screen = Screen::new(problem, point, linear, projector);
+    let mut starts = screen.scored(Table::Named, SIZES);
     starts.truncate(ROOM / screen.residual().len().max(1));
     let parts: Vec<Part> = starts
         .into_par_iter()

@@ -10,27 +10,16 @@ use super::search::Search;
 use super::thresholds::BEAM;
 
 impl Search<'_> {
-    /// If only noise is left, extends the other structures that could become credible. What holds the best explanation, or laws
-    /// that contain its laws, and one more effect is none of theirs: it was looked for before. Returns whether there is a better explanation.
+    /// If only noise is left, extends the other structures that could become credible. What holds the best explanation is left
+    /// out: it was looked for before. Returns whether there is a better explanation.
     pub fn extend_rivals(&self, pool: &mut Pool) -> bool {
         let before = pool.best(self.judge).clone();
         while !self.is_over()
             && pool.best(self.judge).is_like(&before)
             && let Some(rival) = self.rival(pool)
         {
-            let effects = before.effects();
-            let holds = |own: &Explanation| {
-                let others = own.effects();
-                let is_there = |(effect, place): &EffectAt| {
-                    let is_same = |other: &EffectAt| other.0 == *effect || other.0.contains(effect);
-                    others
-                        .iter()
-                        .any(|other| other.1 == *place && is_same(other))
-                };
-                effects.iter().all(is_there)
-            };
             let children = self.extend(&rival, Table::Named, pool).into_iter();
-            let others = children.filter(|child| !holds(child));
+            let others = children.filter(|child| !holds(child, &before));
             others.for_each(|child| pool.add(child));
             pool.mark(&rival, Table::Named);
             self.thin_out(pool);
@@ -60,4 +49,14 @@ impl Search<'_> {
             named.take(BEAM).find(is_rival).map(|own| own.0.clone())
         })
     }
+}
+
+/// Whether an explanation has every effect of another one, or a law that contains it, at its place.
+fn holds(own: &Explanation, other: &Explanation) -> bool {
+    let effects = own.effects();
+    let is_there = |(effect, place): EffectAt| {
+        let holds = |own: &EffectAt| own.0 == effect || own.0.contains(effect);
+        effects.iter().any(|own| own.1 == place && holds(own))
+    };
+    other.effects().into_iter().all(is_there)
 }

@@ -114,18 +114,7 @@ pub fn screen(
     projector: &Projector,
     (table, each): (Table, usize),
 ) -> Vec<Start> {
-    let screen = Screen::new(problem, point, linear, projector);
-    let tried: Vec<Vec<Start>> = candidates(problem, table)
-        .into_par_iter()
-        .filter(|effect| point.has_room_for(*effect) && !problem.is_cut())
-        .map(|(effect, place)| match effect.is_learned() {
-            true => screen.curves(effect, place),
-            false => screen.sizes(effect, place, each),
-        })
-        .collect();
-    let mut all: Vec<Start> = tried.into_iter().flatten().collect();
-    all.sort_by(|a, b| b.score.total_cmp(&a.score));
-    all
+    Screen::new(problem, point, linear, projector).scored(table, each)
 }
 
 impl Start {
@@ -159,6 +148,21 @@ impl<'a> Screen<'a> {
         }
     }
 
+    /// See [`screen`].
+    pub fn scored(&self, table: Table, each: usize) -> Vec<Start> {
+        let tried: Vec<Vec<Start>> = candidates(self.problem, table)
+            .into_par_iter()
+            .filter(|effect| self.point.has_room_for(*effect) && !self.problem.is_cut())
+            .map(|(effect, place)| match effect.is_learned() {
+                true => self.curves(effect, place),
+                false => self.sizes(effect, place, each),
+            })
+            .collect();
+        let mut all: Vec<Start> = tried.into_iter().flatten().collect();
+        all.sort_by(|a, b| b.score.total_cmp(&a.score));
+        all
+    }
+
     /// Residual at the point.
     pub fn residual(&self) -> &DVector<f64> {
         &self.residual
@@ -166,7 +170,11 @@ impl<'a> Screen<'a> {
 
     /// The part of the change by the last effect of a point that the model itself cannot produce.
     pub fn own_change(&self, moved: &Point) -> DVector<f64> {
-        let mut change = self.changed(moved);
+        self.without_own(self.changed(moved))
+    }
+
+    /// The part of a change that the model itself cannot produce.
+    fn without_own(&self, mut change: DVector<f64>) -> DVector<f64> {
         change -= &self.basis * self.basis.tr_mul(&change);
         change
     }
@@ -246,8 +254,7 @@ impl<'a> Screen<'a> {
                 self.problem
                     .run_again(&moved, e, last, &self.linear.runs[e])
             };
-            let change = self.change(run) / step;
-            &change - &self.basis * self.basis.tr_mul(&change)
+            self.without_own(self.change(run) / step)
         };
         let columns: Vec<DVector<f64>> = ordinates.iter().map(column).collect();
         let root = root(effect) * (CURVE * size(&self.problem.scales, effect));
@@ -305,8 +312,8 @@ impl<'a> Screen<'a> {
     }
 
     /// Expected gain of a change.
-    fn promise(&self, mut change: DVector<f64>) -> Promise {
-        change -= &self.basis * self.basis.tr_mul(&change);
+    fn promise(&self, change: DVector<f64>) -> Promise {
+        let change = self.without_own(change);
         let (product, square) = (change.dot(&self.residual), change.norm_squared());
         let gain = gain(product, square);
         let towards = gain.is_finite() && product < 0.0;

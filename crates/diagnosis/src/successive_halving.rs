@@ -15,7 +15,7 @@ use rayon::prelude::*;
 const NEARER: f64 = 0.5;
 
 /// Candidates that are fitted to convergence.
-const HALF: usize = 5;
+pub(super) const HALF: usize = 5;
 
 /// Candidates on top of an explanation, with the state of their fits.
 pub(super) struct Halving<'a> {

@@ -5,8 +5,6 @@
 pub const STRONG: f64 = 10.0;
 /// Chi-squared per row up to which a residual is noise: the noise level is known within a tenth.
 pub const FLOOR: f64 = 1.21;
-/// Standard deviations by which noise may exceed its expectation by chance.
-const CHANCE: f64 = 3.0;
 /// Most steps of a fit to convergence.
 pub const LONG: usize = 100;
 /// Most terms in one explanation: as many as a search of minutes can separate.
@@ -21,10 +19,3 @@ pub const LOST: f64 = 4.0;
 pub const SECOND: usize = 2;
 /// Steps after which the best of these is chosen.
 pub const SHORT: usize = 6;
-
-/// Largest chi-squared of noise in as many rows. Its level is known within a tenth, and the chi-squared of `n` rows has
-/// the standard deviation `sqrt(2 n)`; both errors are independent.
-pub fn most_of_noise(rows: usize) -> f64 {
-    let scatter = CHANCE * (2.0 / rows.max(1) as f64).sqrt();
-    rows as f64 * (1.0 + (FLOOR - 1.0).hypot(scatter))
-}
