@@ -1,5 +1,5 @@
-//! Simpler laws in place of those that contain them as limits. An example: the weight of a load on an axis that
-//! hardly turns is a constant force.
+//! Simpler laws in place of those that contain them as limits. Two examples: the weight of a load on an axis that
+//! hardly turns is a constant force, and a mode far above the motion is a gain of the deformation.
 
 use super::explanation::Explanation;
 use super::found::CREDIBLE;
@@ -13,14 +13,19 @@ impl Search<'_> {
     /// Points in which a simpler law replaces a term that contains it, each at the best size of its grid.
     pub fn limits_of(&self, point: &Point, term: usize) -> Vec<Point> {
         let own = &point.terms[term];
-        let there = own.effect.limits().filter_map(|simpler| {
+        let limits = own.effect.limits().filter_map(|simpler| {
             let place = place_of(self.problem, simpler, own.place)?;
-            if !point.without(term).has_room_for((simpler, place)) {
-                return None;
-            }
-            self.best_of_grid(point, term, (simpler, place))
+            Some((simpler, place))
         });
-        there.collect()
+        let (places, _) = self.problem.places();
+        let far = own.effect.far_limits().filter_map(|simpler| {
+            let place = simpler.places.iter().find(|own| places.contains(own))?;
+            Some((simpler, *place))
+        });
+        let simpler = limits.chain(far);
+        let new = simpler.filter(|own| point.without(term).has_room_for(*own));
+        new.filter_map(|own| self.best_of_grid(point, term, own))
+            .collect()
     }
 
     /// Ranked explanations in the order in which they may be told. Where the data say nothing of the shape of a law, the simpler law

@@ -64,9 +64,12 @@ impl Effect {
         })
     }
 
-    /// Whether the law may act as that of another effect in the whole recording.
-    pub fn becomes(&self, simpler: &Self) -> bool {
-        self.is(|own| matches!(own, Property::Becomes(other) if *other == simpler))
+    /// The simpler effects as which the law acts if its own frequency is far above the motion.
+    pub fn far_limits(&self) -> impl Iterator<Item = &'static Self> {
+        self.properties.iter().filter_map(|own| match own {
+            Property::Becomes(simpler) => Some(*simpler),
+            _ => None,
+        })
     }
 
     /// The two simpler effects that the law is equivalent to for these values, with their values.
