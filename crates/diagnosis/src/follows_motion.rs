@@ -26,8 +26,9 @@ impl Problem<'_> {
     /// The windows have the length of a period. By the power of their motion, `a` is the third that moves least
     /// and `b` the third that moves most. Let `e` be the residual's power beyond the noise. If it were a
     /// mismatch proportional to the motion's power `m`, the logarithm of the residual's power would rise by `ln
-    /// (1 + e m_b) - ln (1 + e m_a)`; for noise it does not rise. If the rise is less than half of that, with
-    /// 95 % confidence, the residual is noise: at half of it both likelihoods are equal.
+    /// (1 + e m_b) - ln (1 + e m_a)`; for noise it does not rise. If the rise is less than half of that, and not
+    /// above 0, both with 95 % confidence, the residual is noise: at half of it both likelihoods are equal. A
+    /// mismatch of another shape rises less than the motion's power.
     pub fn follows_motion(&self, point: &Point) -> Option<bool> {
         let coupled = self.experiments.iter().any(|own| own.coupling.is_some());
         if self.scales.forced || coupled {
@@ -47,8 +48,8 @@ impl Problem<'_> {
             let beyond = mean(windows.iter().map(|own| own.left[k])) - 1.0;
             let [still, moved] = moves.map(|motion| (1.0 + beyond * motion).ln());
             let [(a, var_a), (b, var_b)] = parts.map(|part| of_logarithms(part, k));
-            let most = b - a + CHANCE * (var_a + var_b).sqrt();
-            beyond > FLOOR - 1.0 && most > 0.5 * (moved - still)
+            let (rise, error) = (b - a, CHANCE * (var_a + var_b).sqrt());
+            beyond > FLOOR - 1.0 && (rise + error > 0.5 * (moved - still) || rise > error)
         };
         Some((0..outputs).any(grows))
     }
