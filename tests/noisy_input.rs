@@ -18,20 +18,27 @@ const NOISE: f64 = 5e-5;
 /// Step of an encoder, rad.
 const STEP: f64 = 2e-5;
 
-/// Position and velocity of moves with rest after each.
-fn motor(t: f64) -> [f64; 2] {
-    let all = [(1.0, 0.4, 0.6), (4.0, 0.35, -0.8), (7.0, 0.5, 1.1)];
-    cycloids(&all, t)
-}
+/// Start, duration and length of a move.
+type Move = (f64, f64, f64);
+/// Moves with rest after each.
+const MOVES: [Move; 3] = [(1.0, 0.4, 0.6), (4.0, 0.35, -0.8), (7.0, 0.5, 1.1)];
+/// Moves with hardly any rest.
+const LONG_MOVES: [Move; 5] = [
+    (1.0, 0.4, 0.6),
+    (1.5, 2.3, 1.0),
+    (4.0, 0.35, -0.8),
+    (4.5, 2.3, 1.2),
+    (7.0, 2.9, -1.5),
+];
 
 /// Frequency, Hz, and damping ratio.
 const MODE: [f64; 2] = [6.4, 0.03];
 
 /// Position and acceleration of the link behind a mode, ten times as densely sampled as it is recorded.
-fn link([f, xi]: [f64; 2]) -> Vec<[f64; 2]> {
+fn link(moves: &[Move], [f, xi]: [f64; 2]) -> Vec<[f64; 2]> {
     let w = TAU * f;
     let rates = |t: f64, [q, v]: [f64; 2]| {
-        let [position, velocity] = motor(t);
+        let [position, velocity] = cycloids(moves, t);
         [v, w * w * (position - q) + 2.0 * xi * w * (velocity - v)]
     };
     let h = 0.1 / RATE;
@@ -79,19 +86,27 @@ fn diagnosed(
 }
 
 /// The motor side as a perfect encoder shows it.
-fn motor_positions() -> Vec<f64> {
+fn motor_positions(moves: &[Move]) -> Vec<f64> {
     let stamps = (0..(10.0 * RATE) as usize).map(|k| k as f64 / RATE);
-    stamps.map(|t| motor(t)[0]).collect()
+    stamps.map(|t| cycloids(moves, t)[0]).collect()
+}
+
+/// The steps of an encoder.
+fn steps(value: f64) -> f64 {
+    (value / STEP).round() * STEP
 }
 
 /// Two noisy encoders, that of the link late by so many tenths of a sample.
 fn two_encoders(late: usize, seed: u64) -> Diagnosis {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut noisy = |value: f64| value + NOISE * random.sample::<f64, _>(StandardNormal);
-    let truth = link(MODE);
+    let truth = link(&MOVES, MODE);
     let at = |k: usize| truth[(10 * k).saturating_sub(late)][0];
     let link = (0..truth.len() / 10).map(|k| noisy(at(k))).collect();
-    let motor = motor_positions().into_iter().map(&mut noisy).collect();
+    let motor = motor_positions(&MOVES)
+        .into_iter()
+        .map(&mut noisy)
+        .collect();
     diagnosed(motor, (Role::LinkPosition, "rad", link), MODE)
 }
 
@@ -100,11 +115,14 @@ fn two_encoders(late: usize, seed: u64) -> Diagnosis {
 #[test]
 fn the_steps_of_an_encoder_are_no_acceleration() {
     let mode = [9.0, 0.08];
-    let steps = |value: f64| (value / STEP).round() * STEP;
-    let motor = motor_positions().into_iter().map(steps).collect();
+    let motor = motor_positions(&MOVES).into_iter().map(steps).collect();
     let mut random = ChaCha8Rng::seed_from_u64(4);
     let mut noisy = |[_, a]: &[f64; 2]| a + 0.04 * random.sample::<f64, _>(StandardNormal);
-    let link = link(mode).iter().step_by(10).map(&mut noisy).collect();
+    let link = link(&MOVES, mode)
+        .iter()
+        .step_by(10)
+        .map(&mut noisy)
+        .collect();
     let told = diagnosed(motor, (Role::LinkAcceleration, "rad/s^2", link), mode);
     assert_eq!(told.verdict, Verdict::NoMismatch, "{}", told.summary);
     let damping = told.nuisances["damping_ratio"];
@@ -116,6 +134,28 @@ fn the_steps_of_an_encoder_are_no_acceleration() {
 fn the_noise_of_the_input_is_noise() {
     for seed in [1, 2] {
         let told = two_encoders(0, seed);
+        assert_eq!(told.verdict, Verdict::NoMismatch, "{}", told.summary);
+        let left = told.fit.before.held_out_over_noise;
+        assert!((left - 1.0).abs() < 0.25, "{left}");
+    }
+}
+
+/// The steps of an encoder in motion are noise, which a mode of little damping makes louder: a payload was told, and a frequency
+/// that changes with the pose.
+#[test]
+fn the_steps_of_an_encoder_in_motion_are_noise() {
+    let mode = [6.4, 0.01];
+    let motor: Vec<f64> = motor_positions(&LONG_MOVES)
+        .into_iter()
+        .map(steps)
+        .collect();
+    for seed in [5, 6] {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut noisy =
+            |[q, _]: &[f64; 2]| q + 0.2 * STEP * random.sample::<f64, _>(StandardNormal);
+        let truth = link(&LONG_MOVES, mode);
+        let link = truth.iter().step_by(10).map(&mut noisy).collect();
+        let told = diagnosed(motor.clone(), (Role::LinkPosition, "rad", link), mode);
         assert_eq!(told.verdict, Verdict::NoMismatch, "{}", told.summary);
         let left = told.fit.before.held_out_over_noise;
         assert!((left - 1.0).abs() < 0.25, "{left}");

@@ -146,7 +146,8 @@ struct World<'a> {
     /// What is predicted, for each experiment and output.
     predicted: Vec<Vec<Vec<f64>>>,
     noise: Vec<Vec<OutputNoise>>,
-    input: Vec<InputError>,
+    /// Errors of the inputs, and whether their noise is drawn with them.
+    input: Vec<(InputError, bool)>,
     /// Ends the replicates.
     stop: Stop,
 }
@@ -167,9 +168,9 @@ impl<'a> World<'a> {
             noise.push(output_noise::of(search, best, e, &left));
         }
         // The noise of an input that counts as noise of the outputs is drawn with theirs.
-        let error = |e: usize| match problem.heard_input_noise(e) {
-            Some(_) => InputError::None,
-            None => InputError::of(&problem.experiments[e]),
+        let error = |e: usize| {
+            let heard = problem.heard_input_noise(e).is_some();
+            (InputError::of(&problem.experiments[e]), !heard)
         };
         Self {
             search,

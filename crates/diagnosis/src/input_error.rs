@@ -1,28 +1,65 @@
-//! Other draws of the error of a recorded input.
+//! The error of a recorded input: how much of it is noise, and other draws of it.
 
 use quell_model::InputError;
 use rand::Rng;
 use rand_distr::StandardNormal;
 use std::ops::Range;
 
-/// The input with another draw of an error added; `None` where there is no error.
-pub fn drawn(error: InputError, values: &[f64], random: &mut impl Rng) -> Option<Vec<f64>> {
+/// Standard deviation of the part of an error that is white noise. Of a rounding that is the part where the values move by
+/// more than a step per sample, a share `p` of all: its mean variance is `p q^2 / 12`.
+///
+/// Source: Widrow and Kollar, Quantization Noise (2008), chapters 4 and 5.
+pub fn noise(error: InputError, values: &[f64]) -> Option<f64> {
     match error {
         InputError::None => None,
-        InputError::Rounding(step) => Some(rounded_again(values, step, random)),
-        InputError::White(noise) => {
-            let noisy = |u: &f64| u + noise * random.sample::<f64, _>(StandardNormal);
-            Some(values.iter().map(noisy).collect())
+        InputError::White(deviation) => Some(deviation),
+        InputError::Rounding(step) => {
+            let levels = levels(values, step);
+            let fast = (0..levels.len()).filter(|&index| is_fast(values, step, &levels, index));
+            let count: usize = fast.map(|index| levels[index].len()).sum();
+            let share = count as f64 / values.len().max(1) as f64;
+            (count > 0).then(|| step * (share / 12.0).sqrt())
         }
     }
+}
+
+/// The input with another draw of an error added; `None` where there is no error. `noise` tells whether that holds the part
+/// of it that is noise, too.
+pub fn drawn(
+    (error, noise): (InputError, bool),
+    values: &[f64],
+    random: &mut impl Rng,
+) -> Option<Vec<f64>> {
+    match error {
+        InputError::Rounding(step) => Some(rounded_again(values, (step, noise), random)),
+        InputError::White(deviation) if noise => {
+            let noisy = |u: &f64| u + deviation * random.sample::<f64, _>(StandardNormal);
+            Some(values.iter().map(noisy).collect())
+        }
+        InputError::None | InputError::White(_) => None,
+    }
+}
+
+/// Whether a level is passed within a sample, by more than a step.
+fn is_fast(values: &[f64], step: f64, levels: &[Range<usize>], index: usize) -> bool {
+    let far = |jump: &f64| jump.abs() > 1.5 * step;
+    levels[index].len() == 1 && jumps(values, levels, index).iter().any(far)
+}
+
+/// Changes from the level before to this one, negative, and from this one to the next; 0 where there is none.
+fn jumps(values: &[f64], levels: &[Range<usize>], index: usize) -> [f64; 2] {
+    let value = values[levels[index].start];
+    let before = index.checked_sub(1).map(|i| &levels[i]);
+    let jump = |other: Option<&Range<usize>>| other.map_or(0.0, |o| values[o.start] - value);
+    [jump(before), jump(levels.get(index + 1))]
 }
 
 /// Values rounded again, with the steps at other places.
 ///
 /// The rounding is first undone: between two steps of the record the value went from one edge of its level to
 /// the other, at rest it stayed in the middle. Where it moves by more than a step per sample, the errors are
-/// independent of each other.
-fn rounded_again(values: &[f64], step: f64, random: &mut impl Rng) -> Vec<f64> {
+/// independent of each other; these are drawn if `noise` says so.
+fn rounded_again(values: &[f64], (step, noise): (f64, bool), random: &mut impl Rng) -> Vec<f64> {
     let phase: f64 = random.random();
     let levels = levels(values, step);
     let mut rounded = Vec::with_capacity(values.len());
@@ -30,15 +67,15 @@ fn rounded_again(values: &[f64], step: f64, random: &mut impl Rng) -> Vec<f64> {
         let value = values[level.start];
         let before = index.checked_sub(1).map(|i| &levels[i]);
         let after = levels.get(index + 1);
-        let jump = |other: Option<&Range<usize>>| other.map_or(0.0, |o| values[o.start] - value);
-        let (from, to) = (jump(before), jump(after));
-        let fast = from.abs().max(to.abs()) > 1.5 * step;
+        let [from, to] = jumps(values, &levels, index);
+        let fast = is_fast(values, step, &levels, index);
+        let apart = if noise { step } else { 0.0 };
         let length = |other: Option<&Range<usize>>| other.map_or(0.0, |o| o.len() as f64);
         let half = 0.5 * level.len() as f64;
         let (enters, leaves) = (length(before).min(half), length(after).min(half));
         for k in level.clone() {
             if fast {
-                rounded.push(value + step * (random.random::<f64>() - 0.5));
+                rounded.push(value + apart * (random.random::<f64>() - 0.5));
                 continue;
             }
             let since = (k - level.start) as f64 + 0.5;
@@ -62,4 +99,24 @@ pub fn levels(values: &[f64], step: f64) -> Vec<Range<usize>> {
         }
     }
     levels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ramp of many steps a sample is rounded with errors of `q^2 / 12`; where it is still there is no noise.
+    #[test]
+    fn val_rounding_is_noise_where_it_moves() {
+        let step = 1e-3;
+        let rounded = |value: f64| (value / step).round() * step;
+        let ramp = |k: u32| 7.381e-3 * f64::from(k);
+        let values: Vec<f64> = (0..4000).map(|k| rounded(ramp(k.min(1000)))).collect();
+        let errors = (0..1000).map(|k| (rounded(ramp(k)) - ramp(k)).powi(2));
+        let truth = (errors.sum::<f64>() / 4000.0).sqrt();
+        let found = noise(InputError::Rounding(step), &values).unwrap();
+        assert!((found / truth - 1.0).abs() < 0.03, "{found} {truth}");
+        let slow: Vec<f64> = (0..4000).map(|k| rounded(0.01 * ramp(k))).collect();
+        assert_eq!(noise(InputError::Rounding(step), &slow), None);
+    }
 }

@@ -11,10 +11,13 @@
 //! It is that of an autoregressive moving average. Its poles `A` are those of the sensor's noise and, behind a
 //! mode, the two of `h`; the moving average is the spectral factor of `A r A*`.
 //!
+//! An encoder's rounding is such noise while it moves by more than a step per sample.
+//!
 //! Source: Soederstroem, Errors-in-Variables Methods in System Identification (2018), chapter 2, for a noisy
 //! input; Brockwell and Davis, Time Series: Theory and Methods (1991), section 5.2, for the innovations
 //! algorithm.
 
+use super::input_error::noise;
 use super::point::Point;
 use super::problem::Problem;
 use super::whitening::{Innovation, Whitening};
@@ -28,6 +31,9 @@ const PLACES: [f64; 3] = [0.17, 0.31, 0.52];
 const LAGS: usize = 400;
 /// Most steps of the innovations algorithm: a moving average of a mode forgets within a period.
 const STEPS: usize = 1000;
+/// Spectral density of the heard noise at its peak, relative to that of the sensor's innovations, below which it is ignored:
+/// standard deviations are then too small by half of that at most.
+const UNHEARD: f64 = 0.02;
 /// Relative change of a standard deviation below which a moving average is steady.
 const STEADY: f64 = 1e-9;
 
@@ -35,8 +41,13 @@ impl Problem<'_> {
     /// Standard deviation of the noise of an experiment's input, where that is a part of the noise of its outputs.
     pub fn heard_input_noise(&self, e: usize) -> Option<f64> {
         let experiment = &self.experiments[e];
-        let heard = experiment.windows.is_empty();
-        heard.then(|| InputError::of(experiment).white()).flatten()
+        let error = InputError::of(experiment);
+        // What rounds a force is part of what drives the axis: its errors add up, and windows forget them.
+        let is_rounded_force = self.scales.forced && error.white().is_none();
+        let heard = experiment.windows.is_empty() && !is_rounded_force;
+        heard
+            .then(|| noise(error, &experiment.input_values))
+            .flatten()
     }
 
     /// The noise of every output of an experiment with that of its input, at a point; `own` is the sensors'.
@@ -59,7 +70,9 @@ impl Problem<'_> {
                 each.sum::<f64>() * often / PLACES.len() as f64
             };
             let heard: Vec<f64> = (0..=LAGS).map(of).collect();
-            beside(own, &heard).unwrap_or_else(|| own.clone())
+            let peak = 2.0 * heard.iter().map(|c| c.abs()).sum::<f64>();
+            let both = (peak > UNHEARD * own.innovation.powi(2)).then(|| beside(own, &heard));
+            both.flatten().unwrap_or_else(|| own.clone())
         });
         both.collect()
     }

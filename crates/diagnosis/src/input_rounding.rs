@@ -9,7 +9,7 @@
 //! (I + B B')^-1/2 = I - U (1 - (1 + D^2)^-1/2) U'
 //! ```
 //!
-//! whitens them. In motion the rounding averages out.
+//! whitens them. In motion the rounding is noise (`input_noise.rs`).
 //!
 //! Source: Widrow and Kollar, Quantization Noise (2008), chapter 4, for the error; Aitken, Proc. Royal Society of
 //! Edinburgh 55 (1935), for least squares with a covariance.
