@@ -65,6 +65,8 @@ pub struct SensorReport {
     pub refused: [u64; 4],
     /// Present fault.
     pub fault: Option<Fault>,
+    /// Whether it has jumped, or was not finite, since the guard was restarted: it may measure from another zero.
+    pub jumped: bool,
     /// When the last sample came, s.
     pub heard: f64,
     /// Samples a second, over the last 50 or so, Hz.
@@ -86,8 +88,17 @@ impl GuardReport {
 
     /// The present fault of the sensor of a quantity.
     pub fn fault_of(&self, quantity: Quantity) -> Option<Fault> {
+        self.of(quantity)?.fault
+    }
+
+    /// Whether the sensor of a quantity has jumped since the guard was restarted.
+    pub fn has_jumped(&self, quantity: Quantity) -> bool {
+        self.of(quantity).is_some_and(|sensor| sensor.jumped)
+    }
+
+    fn of(&self, quantity: Quantity) -> Option<&SensorReport> {
         let index = QUANTITIES.iter().position(|&known| known == quantity)?;
-        self.sensors[index].fault
+        Some(&self.sensors[index])
     }
 
     /// Whether any sensor is at fault.
@@ -158,7 +169,7 @@ impl Guard {
             sensor.samples += 1;
             sensor.heard = measured.received;
             sensor.refused[Fault::NotFinite as usize] += 1;
-            sensor.fault = Some(Fault::NotFinite);
+            (sensor.fault, sensor.jumped) = (Some(Fault::NotFinite), true);
             // Its stamp may be wrong, too: the last good one counts.
             let stamp = self.last[index].map_or(f64::NEG_INFINITY, |last| last.stamp);
             self.faulty_until[index] = stamp + RECOVERY;
@@ -179,6 +190,7 @@ impl Guard {
         }
         if let Some(fault) = fault {
             sensor.fault = Some(fault);
+            sensor.jumped |= fault == Fault::Jump;
             self.faulty_until[index] = measured.stamp + RECOVERY;
         } else if measured.stamp >= self.faulty_until[index] {
             sensor.fault = None;
@@ -195,7 +207,7 @@ impl Guard {
         self.equal = [0; QUANTITIES.len()];
         self.faulty_until = [f64::NEG_INFINITY; QUANTITIES.len()];
         for sensor in &mut self.report.sensors {
-            sensor.fault = None;
+            (sensor.fault, sensor.jumped) = (None, false);
         }
     }
 

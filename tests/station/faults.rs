@@ -72,7 +72,8 @@ fn moves_again(world: &mut World, rests: f64) {
     assert_eq!(world.last().map(|(_, sent)| sent.position), Some(at));
     world.go(0.2);
     world.steps(400);
-    assert_eq!(world.last().map(|(_, sent)| sent.position), Some(0.2));
+    let at = world.last().expect("setpoints").1.position;
+    assert!((at - 0.2).abs() < 1e-12, "{at}");
 }
 
 #[test]
@@ -142,7 +143,10 @@ fn a_joint_that_is_held_trips_within_the_time_that_its_speed_says() {
     let expected = FOLLOWED + healthy(LIMITS.acceleration) / speed;
     assert!(took < expected + 0.05 + 3.0 * PERIOD, "{took} {expected}");
     stopped(&mut world, FaultKind::FollowingError, before);
-    // Reset, it is commanded from where it stands.
+    // Nothing is sent that would move it when it is free again. Reset, it is commanded from where it stands.
+    let sent = world.sent().len();
+    world.steps(STANDSTILL);
+    assert_eq!(world.sent().len(), sent);
     world.ask(Request::Reset);
     world.steps(2 * STANDSTILL);
     assert_eq!(world.last().map(|(_, sent)| sent.position), Some(held));
@@ -275,4 +279,63 @@ fn a_step_that_was_commanded_is_no_jump_of_the_sensor() {
     world.robot.position += step;
     world.steps(20);
     assert_eq!(world.snapshot().enable.fault, Some(FaultKind::Sensor));
+}
+
+/// Drives that are switched on again find the joint commanded where somebody has put it meanwhile.
+#[test]
+fn a_joint_that_is_moved_while_no_move_may_begin_is_commanded_where_it_stands() {
+    for disabled in [true, false] {
+        let data = tempfile::tempdir().expect("a folder");
+        let mut world = moving(data.path());
+        if disabled {
+            world.ask(Request::Disable);
+            world.steps(150);
+        }
+        world.robot.off = true;
+        world.steps(150);
+        for _ in 0..100 {
+            world.robot.position -= 0.5 * PERIOD;
+            world.step();
+        }
+        let expected = if disabled {
+            EnableState::Disabled
+        } else {
+            EnableState::Faulted
+        };
+        assert_eq!(state(&world), expected);
+        let stands = world.robot.position;
+        world.steps(2 * STANDSTILL);
+        let before = world.sent().len();
+        world.robot.off = false;
+        world.steps(STANDSTILL);
+        let sent = world.sent().split_off(before);
+        assert_eq!(sent.len(), STANDSTILL);
+        let elsewhere = sent.iter().find(|(_, sent)| sent.position != stands);
+        assert_eq!(elsewhere, None, "{expected:?}");
+        moves_again(&mut world, stands);
+    }
+}
+
+/// Where the sensor may be what has moved, nothing follows it until somebody has looked and reset.
+#[test]
+fn a_motor_side_that_jumps_at_rest_is_not_followed_before_a_reset() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = World::commanded(config(data.path()), true);
+    world.ask(Request::Disable);
+    world.steps(20);
+    world.robot.off = true;
+    world.robot.position = 0.5;
+    world.steps(10 * STANDSTILL);
+    assert!(world.sent().iter().all(|(_, sent)| sent.position == 0.0));
+    world.ask(Request::Enable);
+    let refused = world.steps(1)[0].answer.clone().expect_err("it is off");
+    assert!(
+        matches!(refused, ServiceError::NotReady { .. }),
+        "{refused}"
+    );
+    world.ask(Request::Reset);
+    world.steps(2 * STANDSTILL);
+    assert_eq!(world.last().map(|(_, sent)| sent.position), Some(0.5));
+    world.robot.off = false;
+    moves_again(&mut world, 0.5);
 }

@@ -5,7 +5,7 @@ use quell_shapers::Setpoint;
 use super::joint::Hearing;
 use super::{Engine, controller};
 use crate::service::contract::MoveEnd;
-use crate::service::following::{FOLLOWED, MOVED};
+use crate::service::following::MOVED;
 use crate::service::tick::ToTick;
 
 impl Engine {
@@ -65,9 +65,7 @@ impl Engine {
     /// on.
     pub(super) fn look_again(&mut self, index: usize, now: f64) {
         let joint = &mut self.joints[index];
-        let settled = joint.running.as_ref().map(|running| running.settled);
-        let rests = settled.is_none_or(|since| since.is_some_and(|since| now - since > FOLLOWED));
-        if joint.hearing != Hearing::Back || !rests || joint.asked.is_some() {
+        if joint.hearing != Hearing::Back || !joint.has_followed(now) || joint.asked.is_some() {
             return;
         }
         let motor = joint.motor.unwrap_or(joint.position);

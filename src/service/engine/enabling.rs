@@ -107,28 +107,43 @@ impl Engine {
         self.enabling_now()
     }
 
-    /// Resets a fault. A joint that is not where it was left is commanded again from its standstill.
+    /// Resets a fault, and believes the sensors again.
     pub(super) fn reset(&mut self) -> Accepted {
-        if self.enabling.view.state == EnableState::Faulted {
-            let reason = format!("a fault was reset ({})", self.enabling.view.reason);
-            let now = self.clock.unix_time();
-            self.enabling.turn(EnableState::Disabled, &reason, now);
-            self.rings.orders.push(ToTick::Forget);
-            for joint in &mut self.joints {
-                if let Some(report) = &mut joint.report {
-                    (report.guard, report.following_error) = Default::default();
-                }
+        match self.enabling.view.state {
+            EnableState::Enabled => return self.enabling_now(),
+            EnableState::Disabled => {}
+            EnableState::Faulted => {
+                let reason = format!("a fault was reset ({})", self.enabling.view.reason);
+                let now = self.clock.unix_time();
+                self.enabling.turn(EnableState::Disabled, &reason, now);
             }
-            (0..self.joints.len()).for_each(|index| self.let_go_of_displaced(index));
+        }
+        self.rings.orders.push(ToTick::Forget);
+        for joint in &mut self.joints {
+            if let Some(report) = &mut joint.report {
+                (report.guard, report.following_error) = Default::default();
+            }
         }
         self.enabling_now()
     }
 
-    fn let_go_of_displaced(&mut self, index: usize) {
+    /// Lets go of a joint that something has moved from its command while no move may begin: a drive that is switched
+    /// on again would follow the command at once. It is commanded again from where it stands still. Where its
+    /// readings have jumped, the sensor may be what has moved: somebody has to look first, and reset.
+    pub(super) fn let_go_of_displaced(&mut self, index: usize, now: f64) {
         let joint = &self.joints[index];
         let off = |motor: f64| (motor - joint.position).abs() > joint.config.following_limit;
-        let rests = joint.is_at_rest() && joint.asked.is_none() && joint.ordered.is_empty();
-        if joint.began && rests && joint.motor.is_some_and(off) {
+        let idle = joint.asked.is_none() && joint.ordered.is_empty();
+        let sensor = joint.report.as_ref().map(|report| &report.guard);
+        if self.enabling.view.state != EnableState::Enabled
+            && idle
+            && sensor.is_some_and(|sensor| !sensor.has_jumped(Quantity::MotorPosition))
+            && joint.hearing == Hearing::Heard
+            && joint.has_followed(now)
+            && joint.motor.is_some_and(off)
+        {
+            let joint = &joint.config.name;
+            tracing::warn!(joint, "it was moved while no move may begin");
             self.cease(index);
         }
     }
@@ -163,6 +178,15 @@ impl Engine {
         Ok(())
     }
 
+    /// The messages that could not be read, for the reason of a silence; empty where there are none.
+    fn malformed(&self) -> String {
+        let count = self.whole.as_ref().map_or(0, |whole| whole.link.malformed);
+        match count {
+            0 => String::new(),
+            count => format!("; {count} messages since the start were malformed"),
+        }
+    }
+
     /// Handles a closed gate of the tick.
     pub(super) fn tripped(&mut self, trip: Trip) {
         let joint = trip.joint.map(|index| &self.joints[index]);
@@ -171,11 +195,11 @@ impl Engine {
         let (fault, reason) = match trip.cause {
             Cause::Silent => {
                 let reason = format!("the motor side of {name} was not heard for {timeout} s");
-                (FaultKind::Silent, reason)
+                (FaultKind::Silent, reason + &self.malformed())
             }
             Cause::LinkLost => {
                 let reason = format!("nothing was heard of the robot for {timeout} s");
-                (FaultKind::LinkLost, reason)
+                (FaultKind::LinkLost, reason + &self.malformed())
             }
             Cause::Following(error) => {
                 let reason = joint.map_or_else(String::new, |joint| following(error, joint));

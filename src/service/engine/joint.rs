@@ -12,6 +12,7 @@ use super::running::Running;
 use super::standstill::Standstill;
 use crate::service::config::JointConfig;
 use crate::service::contract::{Accepted, Phase, ServiceError, WatchdogState};
+use crate::service::following::FOLLOWED;
 use crate::service::tick::{AxisReport, JointReport, Together, Train};
 use crate::signal::DeformationSensor;
 
@@ -38,8 +39,8 @@ pub struct Joint {
     pub mode_since: f64,
     /// Whether the train in force is to be replaced.
     pub train_due: bool,
-    /// Until when an unshaped move rings, s. A train that takes over before that would cancel its vibration, by a motion at
-    /// rest that nobody has asked for.
+    /// Until when an unshaped move rings, s. A train that takes over before that would cancel its vibration, by a motion
+    /// that nobody has asked for.
     pub rings_until: f64,
     /// Number of changes of the train by an estimate that the present controller has reported.
     pub retunes: u32,
@@ -197,6 +198,12 @@ impl Joint {
         self.running
             .as_ref()
             .is_none_or(|move_| move_.settled.is_some())
+    }
+
+    /// Whether the command has stood still at `now` (s) for as long as the motor side takes to follow.
+    pub fn has_followed(&self, now: f64) -> bool {
+        let settled = self.running.as_ref().map(|running| running.settled);
+        settled.is_none_or(|since| since.is_some_and(|since| now - since > FOLLOWED))
     }
 
     /// Whether it accepts a move.

@@ -179,6 +179,7 @@ impl Engine {
             return;
         }
         self.look_again(index, now);
+        self.let_go_of_displaced(index, now);
     }
 
     /// Ends a move and publishes its result, once.
