@@ -435,3 +435,35 @@ fn a_disabled_or_unadaptive_service_prescribes_nothing() {
     // It is judged all the same.
     assert!(told.unshaped_vibration_rad.is_some());
 }
+
+/// A rule that is changed while an unshaped move runs or rings waits: the adaptation would cancel the vibration, by a
+/// motion that nobody has asked for.
+#[test]
+fn an_unshaped_move_stays_so_whatever_is_changed_while_it_runs_or_rings() {
+    let zvd = || {
+        Request::Shaping(ShapingChange {
+            kind: Some("zvd".into()),
+            ..ShapingChange::default()
+        })
+    };
+    for ticks in [5, 40, 100, 150, 180] {
+        let data = tempfile::tempdir().expect("a folder");
+        let mut world = world(data.path(), 10.0, &[PlantMode::new(8.0, 0.03, 1.0)]);
+        world.ask(of_target(1.0, Some("none")));
+        let begun = (0..PATIENCE).find_map(|_| world.step().pop());
+        let Ok(Accepted::Move { duration_s, .. }) = begun.expect("an answer").answer else {
+            panic!("no move");
+        };
+        let since = world.clock.now();
+        world.steps(ticks);
+        world.ask(zvd());
+        world.steps(500 - ticks);
+        let late =
+            |(time, sent): &Sent| *time > since + duration_s + 2.0 * PERIOD && sent.position != 1.0;
+        assert_eq!(world.sent().into_iter().find(late), None, "{ticks}");
+        assert!(world.joint().mode.is_some());
+        // Rung out, the train is in force.
+        world.steps(RUNG);
+        assert!(world.joint().train.times_s.len() > 1);
+    }
+}

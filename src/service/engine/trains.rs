@@ -8,7 +8,8 @@ impl Engine {
     /// Orders the train that should be in force, if it is another one.
     pub(super) fn order_train(&mut self, index: usize) {
         let joint = &mut self.joints[index];
-        let rings = self.clock.now() < joint.rings_until;
+        let unshaped = joint.running.as_ref().is_some_and(|move_| !move_.shaped);
+        let rings = unshaped || self.clock.now() < joint.rings_until;
         // A waiting order has a train for its own way.
         if !joint.train_due || rings || !joint.began || joint.asked.is_some() {
             return;
