@@ -1,6 +1,7 @@
 //! The service without its threads, stepped by a simulated clock: nothing here depends on a machine that is
 //! quiet.
 
+mod beyond;
 mod faults;
 #[path = "../service_disk/faulty.rs"]
 mod faulty;
