@@ -182,6 +182,10 @@ fn a_configuration_is_refused_with_line_key_and_what_was_meant() {
             "[tick]\nrate_hz = 500\nrate_hz = 600\n",
             ":3:1: rate_hz = 600: this key stands a second time",
         ),
+        (
+            "[[joint]]\nname = \"a\"\nrange_deg = [-90, 0, 90]\n",
+            ":3: joint[1].range_deg = [-90, 0, 90]: it must be a list of 2 numbers",
+        ),
     ];
     for (text, words) in cases {
         let refused = load(folder.path(), text).err().unwrap_or_default();

@@ -36,6 +36,11 @@ fn bad_descriptions_are_refused_with_file_key_and_value() {
             "jerk_deg_s3 = 0.0 }\nmode",
             "joint[1].limits.jerk_deg_s3",
         ),
+        (
+            "position_m = [0.0, 0.0, 0.22]",
+            "position_m = [0.0, 0.0, 0.0, 0.0]",
+            "tool.position_m = [0.0, 0.0, 0.0, 0.0]: it must be a list of 3 numbers",
+        ),
     ] {
         assert!(good.contains(from), "{from}");
         let text = good.replacen(from, to, 1);

@@ -34,6 +34,7 @@
 
 mod carries;
 mod error;
+mod exactly;
 mod foreign;
 pub mod health;
 mod layout;
@@ -57,6 +58,7 @@ mod write;
 
 pub use carries::{plain, range};
 pub use error::{Place, Problem, RecordingError, nearest};
+pub use exactly::exactly;
 pub use foreign::{FOREIGN, Foreign};
 pub use layout::Layout;
 pub use mcap::{Cut, Damage, Decoder, Encoder, Found, McapFile, McapWriter, Mended, Topic};

@@ -4,11 +4,12 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 use super::recording::RecordingKeys;
 use super::{NatsConfig, RobotKind, ZenohConfig};
 use crate::estimators::ESTIMATORS;
+use crate::recording::exactly;
 use crate::service::shapers;
 
 /// The whole file. Every table may be left out.
@@ -182,6 +183,7 @@ pub struct JointKeys {
     pub number: Option<usize>,
     /// Lowest and highest position of the joint, deg: no command leaves them. Where absent -360 and 360, with a warning for
     /// a robot that is not simulated.
+    #[serde(default, deserialize_with = "pair")]
     pub range_deg: Option<[f64; 2]>,
     /// Limit of the velocity, deg/s; the description's where absent.
     pub velocity_deg_s: Option<f64>,
@@ -265,4 +267,8 @@ fn likelihood() -> String {
 
 fn yes() -> bool {
     true
+}
+
+fn pair<'de, D: Deserializer<'de>>(from: D) -> Result<Option<[f64; 2]>, D::Error> {
+    exactly(from).map(Some)
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use quell_recording::exactly;
 use serde::Deserialize;
 
 use crate::plant::robot::Damping;
@@ -39,10 +40,10 @@ pub struct RobotFile {
 #[serde(deny_unknown_fields)]
 pub struct PoseKeys {
     /// Position, m.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "exactly")]
     pub position_m: [f64; 3],
     /// Roll, pitch and yaw, deg.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "exactly")]
     pub rpy_deg: [f64; 3],
 }
 
@@ -95,8 +96,10 @@ pub struct TrackerKeys {
     /// Standard deviation of its noise, um.
     pub noise_um: f64,
     /// Where it stands, in the robot's base frame, m.
+    #[serde(deserialize_with = "exactly")]
     pub position_m: [f64; 3],
     /// Roll, pitch and yaw of its frame, deg.
+    #[serde(deserialize_with = "exactly")]
     pub rpy_deg: [f64; 3],
     /// What its clock reads when that of the controller reads 0, s.
     #[serde(default)]
@@ -184,9 +187,10 @@ pub struct LinkKeys {
     /// Mass, kg, 0 or more.
     pub mass_kg: f64,
     /// Centre of mass in the joint's frame, m.
+    #[serde(deserialize_with = "exactly")]
     pub centre_m: [f64; 3],
     /// Principal moments of inertia about the centre, kg m^2, 0 or more.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "exactly")]
     pub inertia_kg_m2: [f64; 3],
 }
 
