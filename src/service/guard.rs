@@ -138,6 +138,7 @@ pub struct Guard {
     bounds: Bounds,
     last: [Option<Measured>; QUANTITIES.len()],
     equal: [u32; QUANTITIES.len()],
+    /// On the service's clock, s: that of a sensor may be restarted.
     faulty_until: [f64; QUANTITIES.len()],
     report: GuardReport,
 }
@@ -170,9 +171,7 @@ impl Guard {
             sensor.heard = measured.received;
             sensor.refused[Fault::NotFinite as usize] += 1;
             (sensor.fault, sensor.jumped) = (Some(Fault::NotFinite), true);
-            // Its stamp may be wrong, too: the last good one counts.
-            let stamp = self.last[index].map_or(f64::NEG_INFINITY, |last| last.stamp);
-            self.faulty_until[index] = stamp + RECOVERY;
+            self.faulty_until[index] = measured.received + RECOVERY;
             return false;
         }
         let last = self.last[index].replace(*measured);
@@ -181,7 +180,7 @@ impl Guard {
         sensor.samples += 1;
         sensor.heard = measured.received;
         if let Some(last) = &last {
-            let gap = (measured.stamp - last.stamp).max(f64::MIN_POSITIVE);
+            let gap = elapsed(measured, last).max(f64::MIN_POSITIVE);
             let gaps = match sensor.rate {
                 0.0 => gap,
                 rate => 1.0 / rate + RATE_WEIGHT * (gap - 1.0 / rate),
@@ -191,8 +190,8 @@ impl Guard {
         if let Some(fault) = fault {
             sensor.fault = Some(fault);
             sensor.jumped |= fault == Fault::Jump;
-            self.faulty_until[index] = measured.stamp + RECOVERY;
-        } else if measured.stamp >= self.faulty_until[index] {
+            self.faulty_until[index] = measured.received + RECOVERY;
+        } else if measured.received >= self.faulty_until[index] {
             sensor.fault = None;
         }
         if let Some(fault) = sensor.fault {
@@ -235,19 +234,26 @@ impl Guard {
         if self.equal[index] >= STUCK {
             return Some(Fault::Stuck);
         }
-        let elapsed = now.stamp - last.stamp;
-        self.jumps(now, last, elapsed, motion.step)
-            .then_some(Fault::Jump)
+        self.jumps(now, last, motion.step).then_some(Fault::Jump)
     }
 
-    fn jumps(&self, now: &Measured, last: &Measured, elapsed: f64, commanded: f64) -> bool {
+    fn jumps(&self, now: &Measured, last: &Measured, commanded: f64) -> bool {
         let step: f64 = (0..3).map(|i| (now.value[i] - last.value[i]).powi(2)).sum();
-        let farthest = JUMP * self.bounds.limits.velocity * elapsed + commanded;
+        let farthest = JUMP * self.bounds.limits.velocity * elapsed(now, last) + commanded;
         match now.quantity {
             Quantity::TipPosition => step.sqrt() > farthest * self.bounds.radius,
             Quantity::TipAcceleration => false,
             _ => step.sqrt() > farthest + 2.0 * self.bounds.resolution,
         }
+    }
+}
+
+/// Time between two samples, s. Where the stamps go back the sensor's clock was restarted: then it is that between their
+/// receptions.
+fn elapsed(now: &Measured, last: &Measured) -> f64 {
+    match now.stamp > last.stamp {
+        true => now.stamp - last.stamp,
+        false => now.received - last.received,
     }
 }
 

@@ -105,3 +105,27 @@ fn the_end_of_the_scale_a_jump_and_no_number_are_refused() {
     let motion = |k: i32| 0.5 + 7.9e-3 * f64::from(k);
     assert!((0..100).all(|k| bench.says(Quantity::MotorPosition, motion(k), MOVING)));
 }
+
+/// A clock that goes back is no jump of the joint, and a fault ends by the service's clock.
+#[test]
+fn a_sensor_whose_clock_starts_anew_is_believed() {
+    let says = |guard: &mut Guard, received: f64, stamp: f64, value: f64| {
+        let measured = Measured {
+            received,
+            stamp,
+            joint: 0,
+            quantity: Quantity::MotorPosition,
+            value: [value, 0.0, 0.0],
+            refused: false,
+        };
+        guard.admits(&measured, MOVING)
+    };
+    let mut guard = Guard::new(BOUNDS);
+    assert!(says(&mut guard, 10.0, 5000.0, 0.5));
+    assert!(says(&mut guard, 10.01, 3.0, 0.51));
+    // 4 times 2 rad/s over 10 ms is 80 mrad.
+    assert!(!says(&mut guard, 10.02, 2.0, 0.6));
+    let back = (1..600).map(|k| 1e-3 * f64::from(k));
+    let taken = back.filter(|t| says(&mut guard, 10.02 + t, 1.0 + t, 0.6 + 0.1 * t));
+    assert!((99..=101).contains(&taken.count()));
+}

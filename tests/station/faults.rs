@@ -339,3 +339,17 @@ fn a_motor_side_that_jumps_at_rest_is_not_followed_before_a_reset() {
     world.robot.off = false;
     moves_again(&mut world, 0.5);
 }
+
+/// Stamps that go back or leap are those of another clock, and no motion of the joint.
+#[test]
+fn a_robot_whose_clock_is_set_in_motion_is_not_stopped() {
+    for leap in [2.0, -2.0, -8e4, 1e4] {
+        let data = tempfile::tempdir().expect("a folder");
+        let mut world = moving(data.path());
+        world.set_robot_clock(leap);
+        world.steps(600);
+        assert_eq!(state(&world), EnableState::Enabled, "{leap}");
+        assert_eq!(world.last().map(|(_, sent)| sent.position), Some(3.0));
+        assert_eq!(first_beyond_limits(&world.sent(), true), None);
+    }
+}

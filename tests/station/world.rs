@@ -314,7 +314,12 @@ impl World {
 
     /// The robot's clock starts anew: it takes some stamps until that is believed.
     pub fn restart_robot_clock(&mut self) {
-        self.robot.ahead += 1e4;
+        self.set_robot_clock(1e4);
+    }
+
+    /// The robot's clock leaps by so much, s.
+    pub fn set_robot_clock(&mut self, leap: f64) {
+        self.robot.ahead += leap;
         self.robot.unbelieved = 8;
     }
 
