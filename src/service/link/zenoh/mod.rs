@@ -4,6 +4,7 @@
 //! to a sending thread, since Zenoh may allocate and block.
 
 mod bridge;
+mod commands;
 mod messages;
 mod node;
 
@@ -24,8 +25,9 @@ use super::intake::{Counts, Intake, Received, count};
 use super::{INBOX, RobotLink};
 use crate::recording::Encoder;
 use crate::service::clock::ServiceClock;
-use crate::service::config::{Config, MOST_JOINTS, ZenohConfig};
+use crate::service::config::{Config, ZenohConfig};
 use crate::service::contract::{LinkHealth, Measured, Quantity};
+use commands::{Commands, Positions};
 use messages::{FLOAT64_MULTI_ARRAY, IMU, JOINT_STATE};
 use node::{Publisher, Subscription};
 
@@ -34,19 +36,13 @@ const WAITING: usize = 16;
 /// Duration of one wait of the sending thread, so that it notices the end.
 const WAIT: Duration = Duration::from_millis(50);
 
-/// Positions of the joints, rad.
-type Command = [f64; MOST_JOINTS];
-
 /// The tick's end of the link.
 pub struct ZenohLink {
     ring: Consumer<Received>,
     counts: Arc<Counts>,
     _subscriptions: Vec<Subscription>,
-    /// Last setpoint of each joint; nothing is sent before all of them are commanded.
-    latest: [Option<f64>; MOST_JOINTS],
-    joints: usize,
-    is_due: bool,
-    commands: Producer<Command>,
+    next: Commands,
+    commands: Producer<Positions>,
     full: u64,
     sending: Arc<Sending>,
     sender: Option<JoinHandle<()>>,
@@ -96,9 +92,7 @@ impl ZenohLink {
             ring,
             counts,
             _subscriptions: subscriptions,
-            latest: [None; MOST_JOINTS],
-            joints,
-            is_due: false,
+            next: Commands::new(joints),
             commands,
             full: 0,
             sending,
@@ -113,6 +107,9 @@ impl RobotLink for ZenohLink {
             && let Ok(received) = self.ring.pop()
         {
             if let Received::Measured(measured) = received {
+                if measured.quantity == Quantity::MotorPosition {
+                    self.next.measure(measured.joint, measured.value[0]);
+                }
                 inbox.push(measured);
             }
         }
@@ -124,19 +121,13 @@ impl RobotLink for ZenohLink {
     }
 
     fn send(&mut self, _now: f64, joint: usize, setpoint: &Setpoint) {
-        if let Some(latest) = self.latest.get_mut(joint) {
-            *latest = Some(setpoint.position);
-            self.is_due = true;
-        }
+        self.next.command(joint, setpoint.position);
     }
 
     fn flush(&mut self) {
-        let all = self.latest.iter().take(self.joints).all(Option::is_some);
-        if !(self.is_due && all) {
+        let Some(command) = self.next.take() else {
             return;
-        }
-        self.is_due = false;
-        let command = self.latest.map(Option::unwrap_or_default);
+        };
         if self.commands.push(command).is_err() {
             self.full += 1;
         }
@@ -166,7 +157,7 @@ impl Drop for ZenohLink {
 }
 
 impl Sending {
-    fn run(&self, mut waiting: Consumer<Command>, mut publisher: Publisher, joints: usize) {
+    fn run(&self, mut waiting: Consumer<Positions>, mut publisher: Publisher, joints: usize) {
         let mut body = Encoder::new();
         loop {
             while let Ok(command) = waiting.pop() {
