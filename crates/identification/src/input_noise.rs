@@ -9,27 +9,30 @@
 //!
 //! with `n` the noise of the other sensor. (In the measured deformation `n_u` is as it is, and in the predicted
 //! one, `(H - 1) (u + n_u)`, too.) At the mode `n_u` is `1 / (2 xi)` times as loud as elsewhere, so that `e` is far
-//! from white, and a fit that takes it for white finds a second mode in it. With `r = N_u / N` the ratio of both
-//! levels, the density of `e` is
+//! from white, and a fit that takes it for white finds a second mode in it. Of several modes of shares `p_m`,
 //!
 //! ```text
-//! N (1 + r |H|^2) = N |C|^2 / |A|^2,    C = s^2 + 2 zeta W s + W^2,
-//! W^4 = (1 + r) w^4,    zeta^2 = (1 - (1 - 2 xi^2) (w / W)^2) / 2
+//! H = sum_m p_m w_m^2 / A_m = B / A,    A = product_m A_m
 //! ```
 //!
-//! `A / C` makes it white. Input and output through the same filter obey the same model, so that the methods that
-//! assume white noise receive `A u / C` and `A delta / C`. For samples at even distances poles and zeros are those
-//! of `e^(s T)`, which is exact for the zeros: nothing is left of the mode's free vibration. `r` is that of the
-//! least innovation, and `r N` at most the noise that is seen in the motor side's position.
+//! With `r = N_u / N` the ratio of both levels, the density of `e` is
+//!
+//! ```text
+//! N (1 + r |H|^2) = N |C|^2 / |A|^2,    C(s) C(-s) = A(s) A(-s) + r B(s) B(-s)
+//! ```
+//!
+//! with the roots of `C` in the left half plane. `A / C` makes it white. Input and output through the same filter obey the
+//! same model, so that the methods that assume white noise receive `A u / C` and `A delta / C`. For samples at even
+//! distances poles and zeros are those of `e^(s T)`, which is exact for the zeros: nothing is left of the modes' free
+//! vibration. `r` is that of the least innovation, and `r N` at most the noise that is seen in the motor side's position.
 //!
 //! Source: prediction errors and their noise model, L. Ljung, System Identification, 2nd ed., section 3.2, 7.2 and
 //! 14.4 (prefilter); noise of the input, T. Soederstroem, Errors-in-Variables Methods in System Identification
-//! (2018), chapter 2.
+//! (2018), chapter 2; spectral factors, K. J. Astroem, Introduction to Stochastic Control Theory (1970), section 4.3.
 
-use nalgebra::Complex;
-use quell_control::estimators::offline::{BatchFit, batch_fit_near};
-use quell_control::estimators::{Sample, Settings};
-use quell_shapers::Mode;
+use super::whitener::{Ringing, Whitener};
+use quell_control::estimators::offline::{BatchFit, batch_fit_near, two_mode_residual};
+use quell_control::estimators::{Estimate, Sample, Settings};
 use quell_signal::noise_floor;
 
 /// Factor between the ratios of noise that are tried. Weights that are off by up to `q` cost at most
@@ -58,36 +61,64 @@ impl White {
         if settings.memory.is_finite() {
             return None;
         }
-        let samples = whitener(samples, fit)?.samples(samples, fit);
+        let ringing = Ringing {
+            modes: vec![(fit.mode, 1.0, fit.free)],
+            offset: fit.offset,
+        };
+        let samples = whitened(samples, &ringing, (&fit.residual, fit.residual_std))?;
         let fit = batch_fit_near(&samples, settings, fit.mode)?;
         Some(Self { samples, fit })
     }
 }
 
-/// The filter of the least innovation, if that is evidence for noise of the input.
-fn whitener(samples: &[Sample], fit: &BatchFit) -> Option<Whitener> {
-    let count = samples.len() as f64;
-    let floor = |of: fn(&Sample) -> f64| {
-        let values: Vec<f64> = samples.iter().map(of).collect();
-        noise_floor(&values).standard_deviation
+/// The samples of two modes with the noise of the input made white; `None` as in [`White::of`]. Two modes rely on the
+/// input whatever the settings.
+pub fn white_of_two(
+    samples: &[Sample],
+    found: [&Estimate; 2],
+    settings: &Settings,
+) -> Option<Vec<Sample>> {
+    let modes = found.map(|own| own.mode);
+    let noise = floor(samples, |s| s.deformation);
+    let fit = two_mode_residual(samples, modes, noise, settings)?;
+    let ringing = Ringing {
+        modes: (0..2)
+            .map(|m| (modes[m], fit.shares[m], fit.free[m]))
+            .collect(),
+        offset: fit.offset,
     };
-    let [seen, beside] = [floor(|s| s.motor_position), floor(|s| s.deformation)];
-    let step = even_step(samples, seen.min(fit.residual_std))?;
+    let square: f64 = fit.residual.iter().map(|e| e * e).sum();
+    let std = (square / samples.len() as f64).sqrt();
+    whitened(samples, &ringing, (&fit.residual, std))
+}
+
+fn floor(samples: &[Sample], of: fn(&Sample) -> f64) -> f64 {
+    let values: Vec<f64> = samples.iter().map(of).collect();
+    noise_floor(&values).standard_deviation
+}
+
+/// The samples through the filter of the least innovation, if that is evidence for noise of the input; `left` is what a
+/// fit leaves of them, and its standard deviation.
+fn whitened(samples: &[Sample], modes: &Ringing, left: (&[f64], f64)) -> Option<Vec<Sample>> {
+    let count = samples.len() as f64;
+    let seen = floor(samples, |s| s.motor_position);
+    let beside = floor(samples, |s| s.deformation);
+    let step = even_step(samples, seen.min(left.1))?;
     let square = |residual: &[f64]| residual.iter().map(|e| e * e).sum::<f64>();
+    let loudest = modes.loudest();
     let tried = |k: i32| {
-        let peak = LEAST_PEAK * RATIO.powi(k);
-        let ratio = peak * (2.0 * fit.mode.damping_ratio()).powi(2);
-        let filter = Whitener::new(fit.mode, ratio, step)?;
-        let innovation = square(&filter.of(&fit.residual, [0.0; 2], 0.0));
+        let ratio = LEAST_PEAK * RATIO.powi(k) / loudest;
+        let filter = Whitener::new(modes, ratio, step)?;
+        let innovation = square(&filter.of(left.0, |_| 0.0, 0.0));
         (ratio * innovation / count <= seen * seen).then_some((filter, innovation))
     };
     let (filter, innovation) = (0..RATIOS)
         .map_while(tried)
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     // Schwarz's criterion for one more unknown.
-    let evident = count * (square(&fit.residual) / innovation).ln() > count.ln();
+    let evident = count * (square(left.0) / innovation).ln() > count.ln();
     let is_noise = innovation <= ALLOWED * count * beside * beside;
-    (evident && is_noise).then_some(filter)
+    (evident && is_noise).then(|| filter.samples(samples, modes))
 }
 
 /// Distance of evenly spaced samples, s. `None` where one is so far from an even place that motor side or
@@ -105,71 +136,4 @@ fn even_step(samples: &[Sample], noise: f64) -> Option<f64> {
     };
     let even = samples.windows(2).all(|pair| moved(pair) <= noise);
     (even && step > 0.0).then_some(step)
-}
-
-/// `A / C` for samples at even distances.
-struct Whitener {
-    /// `e^(lambda T)` of the mode.
-    growth: Complex<f64>,
-    /// Coefficients of the first and second delay, of zeros and of poles.
-    zeros: [f64; 2],
-    poles: [f64; 2],
-}
-
-impl Whitener {
-    /// The filter for a mode and a ratio of noise; `None` where `C` is faster than the samples tell.
-    fn new(mode: Mode, ratio: f64, step: f64) -> Option<Self> {
-        let (w, xi) = (mode.natural_frequency(), mode.damping_ratio());
-        let faster = (1.0 + ratio).sqrt();
-        let zeta = (0.5 * (1.0 - (1.0 - 2.0 * xi * xi) / faster)).sqrt();
-        let growth = pole(w, xi, step);
-        let of = |own: Complex<f64>| [-2.0 * own.re, own.norm_sqr()];
-        let fast = w * faster.sqrt();
-        (fast * step < core::f64::consts::PI).then(|| Self {
-            growth,
-            zeros: of(growth),
-            poles: of(pole(fast, zeta, step)),
-        })
-    }
-
-    /// Filters values; `before` are those before the first, the last one first, and `rest` is the output then.
-    fn of(&self, values: &[f64], before: [f64; 2], rest: f64) -> Vec<f64> {
-        let ([mut x1, mut x2], mut y1, mut y2) = (before, rest, rest);
-        let ([a1, a2], [c1, c2]) = (self.zeros, self.poles);
-        let each = values.iter().map(|&x| {
-            let y = x + a1 * x1 + a2 * x2 - c1 * y1 - c2 * y2;
-            (x2, x1, y2, y1) = (x1, x, y1, y);
-            y
-        });
-        each.collect()
-    }
-
-    /// Both signals. Before the first sample the motor side stood still, and the deformation was that of the
-    /// fit's free vibration.
-    fn samples(&self, samples: &[Sample], fit: &BatchFit) -> Vec<Sample> {
-        let constant = |zeros: [f64; 2]| 1.0 + zeros[0] + zeros[1];
-        let gain = constant(self.zeros) / constant(self.poles);
-        let free = |count: i32| {
-            let turn = self.growth.powi(-count);
-            fit.offset + fit.free[0] * turn.re + fit.free[1] * turn.im
-        };
-        // Counted from the first, so that a constant has no rounding.
-        let origin = samples[0].motor_position;
-        let moved: Vec<f64> = samples.iter().map(|s| s.motor_position - origin).collect();
-        let deformation: Vec<f64> = samples.iter().map(|s| s.deformation).collect();
-        let moved = self.of(&moved, [0.0; 2], 0.0);
-        let deformation = self.of(&deformation, [free(1), free(2)], gain * fit.offset);
-        let both = moved.into_iter().zip(deformation);
-        let white = |(own, (motor_position, deformation)): (&Sample, (f64, f64))| Sample {
-            motor_position,
-            deformation,
-            ..*own
-        };
-        samples.iter().zip(both).map(white).collect()
-    }
-}
-
-/// `e^(lambda T)` of a mode.
-fn pole(w: f64, xi: f64, step: f64) -> Complex<f64> {
-    (Complex::new(-xi, (1.0 - xi * xi).max(0.0).sqrt()) * (w * step)).exp()
 }

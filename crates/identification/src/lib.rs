@@ -14,6 +14,7 @@ mod scatter;
 pub mod stop;
 mod stretches;
 mod told_mode;
+mod whitener;
 mod whole_fit;
 
 pub use amplitude::{AmplitudeDependence, CycleDamping};

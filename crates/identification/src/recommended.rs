@@ -73,12 +73,8 @@ impl Identification {
         let ran = |line: &'static EstimatorEntry, index: usize| {
             let run = self.quoted(index)?;
             let result = run.estimator(line.name)?;
-            Some((
-                line.name,
-                result.estimate?,
-                result.further,
-                !run.is_free_decay,
-            ))
+            let share = result.further_share.filter(|_| !run.is_free_decay);
+            Some((line.name, result.estimate?, result.further, share))
         };
         let mut stating = ESTIMATORS
             .iter()
@@ -89,12 +85,10 @@ impl Identification {
             .filter_map(|(index, line)| ran(line, index))
             .find(|own| own.2.is_some());
         let doubted = two.filter(|own| !self.rings_with_two(own.0));
-        if let Some((name, first, further, moves)) = two.filter(|_| doubted.is_none()) {
-            // The gains of all modes together follow the motor side.
-            let share = further.map(|own| own.gain / (first.gain + own.gain));
+        if let Some((name, first, further, further_share)) = two.filter(|_| doubted.is_none()) {
             let further = further.as_ref().map(uncertain);
             return Some(Recommended {
-                further_share: share.filter(|_| moves),
+                further_share,
                 ..told(name, uncertain(&first), further, Why::TwoModes)
             });
         }

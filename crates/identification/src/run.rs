@@ -2,7 +2,7 @@
 
 use quell_shapers::Mode;
 
-use super::input_noise::White;
+use super::input_noise::{White, white_of_two};
 use super::stretches::{self, FreeDecay, Stretch};
 use quell_control::estimators::offline::{BatchFit, Extremum, batch_fit, fourier, mode_of_extrema};
 use quell_control::estimators::{ESTIMATORS, Estimate, EstimatorEntry, Sample, Settings};
@@ -29,6 +29,8 @@ pub struct OnLine {
     pub estimate: Option<Estimate>,
     /// A second mode, if it reported one at the end.
     pub further: Option<Estimate>,
+    /// Share of that mode in what the sensor sees of the motion; a free decay does not tell it.
+    pub further_share: Option<f64>,
     /// When it first called itself converged, s.
     pub converged_at: Option<f64>,
     /// The same in periods of its mode, counted from `counted_from` of the run.
@@ -90,7 +92,7 @@ pub struct Run {
 impl Run {
     /// The whole recording with the motor side as known input, and its batch fit with the samples of that. Batch fit
     /// and estimators that state their error receive the samples whose noise is white, if these differ;
-    /// a second mode must show without that, too.
+    /// a second mode must show without that, too. Where two show, the noise is made white behind both.
     ///
     /// In a long recording the estimators receive a `part`. The likelihoods lose nothing by that, since they
     /// only use a window of 65 536 samples at most. The algebraic estimators sum over all samples, so that
@@ -112,7 +114,13 @@ impl Run {
                 let plain = found.further.map(|_| of(line, part));
                 plain.filter(|own| own.further.is_none()).unwrap_or(found)
             }
-            _ => of(line, part),
+            _ => {
+                let found = of(line, part);
+                let both = found.estimate.as_ref().zip(found.further.as_ref());
+                let white = both.and_then(|(a, b)| white_of_two(part, [a, b], settings));
+                let again = white.map(|white| on_line(line, &white, settings, counted_from));
+                again.filter(|own| own.further.is_some()).unwrap_or(found)
+            }
         };
         let batch = white.map(|white| &white.fit).or(fit);
         Self {
@@ -258,6 +266,7 @@ fn on_line(line: &EstimatorEntry, samples: &[Sample], settings: &Settings, from:
         name: line.name,
         estimate,
         further: estimator.further(),
+        further_share: estimator.further_share(),
         converged_at,
         periods,
         history,

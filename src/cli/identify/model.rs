@@ -24,8 +24,8 @@ struct Line {
 
 /// The text for the recommended modes of a joint with a known input.
 pub fn of_driven(recording: &str, best: &Recommended) -> String {
-    let share = match best.further_share.filter(|share| share.is_finite()) {
-        Some(share) => (share, "by the gains of the modes"),
+    let share = match best.further_share {
+        Some(share) => (share, "by the motion"),
         None => (SHARE, "guessed: a decay does not tell it"),
     };
     let line = |known| Line {

@@ -72,23 +72,8 @@ pub fn two_mode_cramer_rao(
     noise_std: f64,
     settings: &Settings,
 ) -> Option<[Bound; 2]> {
-    let offset = inverse_square(settings.offset_std.unwrap_or(noise_std));
-    let rate = modes.map(|mode| mode.natural_frequency().powi(2));
-    let scale = inverse_square(settings.scale_std);
-    let gain = inverse_square(settings.gain_std);
-    let priors = PairPriors {
-        // The mean does not matter.
-        mean: [0.0; 2],
-        precision: [
-            0.0, 0.0, 0.0, 0.0, offset, rate[0], rate[1], scale, 1.0, gain, 0.0, 0.0, 0.0, 0.0,
-        ],
-    };
-    let mut pair = Pair::new(modes, settings.sample_time);
-    let mut window = Window::with_capacity(samples.len());
-    for &sample in samples {
-        window.push(sample);
-        pair.absorb(&window);
-    }
+    let priors = PairPriors::of_known_noise(settings, modes, noise_std);
+    let pair = Pair::along(samples, modes, settings.sample_time, |_| {});
     let fit = fit_pair(&pair, &priors, noise_std * noise_std, &[0.0; 4])?;
     Some([0, 1].map(|m| Bound {
         natural_frequency_std: fit.covariance[2 * m][2 * m].sqrt()

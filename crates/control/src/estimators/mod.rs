@@ -86,6 +86,11 @@ pub trait Estimator: Send {
     fn further(&self) -> Option<Estimate> {
         None
     }
+    /// Share `p_2 / (p_1 + p_2)` of that second mode in what the sensor sees of a motion of the motor side. A free decay does
+    /// not tell it.
+    fn further_share(&self) -> Option<f64> {
+        None
+    }
     /// Amplitude of the part of the deformation, rad, that is neither explained by the estimate nor white
     /// noise; 0 where the method does not know it.
     fn unexplained(&self) -> f64 {

@@ -196,42 +196,35 @@ impl<'a> Problem<'a> {
         models
     }
 
-    /// The best of a model and of its refits with other powers, without a direct term (a moving base) and with the
-    /// one that leaves no acceleration at low frequency (a force), of several modes the last with either sign; each
-    /// mode's amplitude is kept at its own frequency.
+    /// The best of a model and of its refits under other excitations.
     fn otherwise_excited(&self, model: Minimum) -> Minimum {
         if !self.is_sweep {
             return model;
         }
-        let is_one = model.at.len() < SHARED + 2 * EACH;
-        let under = |power: f64, sign: f64, is_force: bool| {
-            let mut start = model.at.clone();
-            let change = 0.5 * (start[2].clamp(POWERS[0], POWERS[1]) - power);
-            for mode in start[SHARED..].chunks_exact_mut(EACH) {
-                mode[2] *= (mode[0].exp() / self.middle()).powf(change);
-            }
-            if let Some(last) = start[SHARED..].chunks_exact_mut(EACH).last() {
-                last[2] *= sign;
-            }
-            let all: f64 = start[SHARED..].chunks_exact(EACH).map(|mode| mode[2]).sum();
-            (start[0], start[2]) = (if is_force { -all } else { 0.0 }, power);
-            self.fit(&start)
-        };
-        let signs = if is_one { &[1.0][..] } else { &[1.0, -1.0] };
-        let both =
-            |power: f64, sign: f64| [false, true].map(|is_force| under(power, sign, is_force));
-        let signed = |power: &f64| {
-            signs
-                .iter()
-                .flat_map(|sign| both(*power, *sign))
-                .collect::<Vec<_>>()
-        };
-        let others = EXCITATIONS.iter().flat_map(signed).flatten();
+        let others = drivings(&model.at).into_iter();
+        let others = others.filter_map(|other| self.fit(&self.excited_by(&model.at, &other)));
         let others = others.filter(|other| self.are_distinct(&other.at));
-        let other = others.min_by(|a, b| a.cost.total_cmp(&b.cost));
-        other
-            .filter(|other| other.cost < model.cost)
-            .unwrap_or(model)
+        let best = others.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        match best {
+            Some(best) if best.cost < model.cost => best,
+            _ => model,
+        }
+    }
+
+    /// The start for a refit under another excitation: each mode's amplitude is kept at its own frequency.
+    fn excited_by(&self, at: &[f64], other: &Driving) -> Vec<f64> {
+        let mut start = at.to_vec();
+        let change = 0.5 * (start[2].clamp(POWERS[0], POWERS[1]) - other.power);
+        for mode in start[SHARED..].chunks_exact_mut(EACH) {
+            mode[2] *= (mode[0].exp() / self.middle()).powf(change);
+        }
+        if let Some(last) = start[SHARED..].chunks_exact_mut(EACH).last() {
+            last[2] *= other.sign;
+        }
+        let all: f64 = start[SHARED..].chunks_exact(EACH).map(|mode| mode[2]).sum();
+        start[0] = if other.is_force { -all } else { 0.0 };
+        start[2] = other.power;
+        start
     }
 
     /// Whether no two modes are nearer than half the half-power width of the sharper one. Such a pair is one
@@ -440,6 +433,34 @@ impl Squares for Problem<'_> {
         let is_finite = normal.iter().chain(&gradient).all(|one| one.is_finite());
         is_finite.then_some((normal, gradient))
     }
+}
+
+/// How the modes of a sweep may be driven.
+struct Driving {
+    /// Power of the frequency in its density.
+    power: f64,
+    /// Sign of the last of several modes.
+    sign: f64,
+    /// Whether it is a force, whose direct term leaves no acceleration at low frequency, and not a moving base, which
+    /// has none.
+    is_force: bool,
+}
+
+/// What a model is refitted under: of a single mode the sign says nothing.
+fn drivings(at: &[f64]) -> Vec<Driving> {
+    let is_one = at.len() < SHARED + 2 * EACH;
+    let signs = if is_one { &[1.0][..] } else { &[1.0, -1.0] };
+    let mut all = Vec::new();
+    for &power in &EXCITATIONS {
+        for &sign in signs {
+            all.extend([false, true].map(|is_force| Driving {
+                power,
+                sign,
+                is_force,
+            }));
+        }
+    }
+    all
 }
 
 /// The deviance of a gamma density whose mean is off by a ratio.

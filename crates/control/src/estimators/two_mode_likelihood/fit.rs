@@ -1,11 +1,14 @@
 //! One Gauss-Newton step of the two-mode likelihood from accumulated second moments.
 
 use nalgebra::Complex;
+use quell_shapers::Mode;
 
 use super::pair::{
     CONSTANT, MISS, OF_A_MODE, Pair, RATE_COLUMN, Row, SHAPE_COLUMN, TOTAL_INPUT, WIDTH, points,
 };
+use crate::estimators::Settings;
 use crate::estimators::likelihood::cholesky::Cholesky;
+use crate::estimators::likelihood::inverse_square;
 use crate::estimators::modal_response::{FREE, FREE_SLOPE, LINK, RATE};
 
 /// Unknowns: ten linear ones, then `ln w` and `xi` of both modes.
@@ -41,6 +44,23 @@ pub struct Priors {
     pub precision: [f64; UNKNOWNS],
 }
 
+impl Priors {
+    /// Those of the settings under a noise that is known, the modes being free.
+    pub fn of_known_noise(settings: &Settings, modes: [Mode; 2], noise_std: f64) -> Self {
+        let offset = inverse_square(settings.offset_std.unwrap_or(noise_std));
+        let rate = modes.map(|mode| mode.natural_frequency().powi(2));
+        let scale = inverse_square(settings.scale_std);
+        let gain = inverse_square(settings.gain_std);
+        Self {
+            // The mean does not matter.
+            mean: [0.0; 2],
+            precision: [
+                0.0, 0.0, 0.0, 0.0, offset, rate[0], rate[1], scale, 1.0, gain, 0.0, 0.0, 0.0, 0.0,
+            ],
+        }
+    }
+}
+
 /// The fit from the moments near their linearisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Fit {
@@ -54,6 +74,8 @@ pub struct Fit {
     pub covariance: [[f64; 4]; 4],
     /// Static gain and its variance for a noise of unit variance.
     pub gain: (f64, f64),
+    /// Each mode's share of what a motion of the motor side shows: both add up to 1.
+    pub shares: [f64; 2],
     /// Weights of a row's columns that give the residual after the step.
     pub residual: Row,
     /// Weights of a row's columns that give the residual with the linear unknowns alone.
@@ -62,6 +84,23 @@ pub struct Fit {
     pub unknowns: f64,
     /// Sum of squares of each mode's part of the deformation.
     pub energy: [f64; 2],
+}
+
+/// The best linear unknowns at a pair's modes.
+pub struct LinearFit {
+    /// Weights of a row's columns that give the residual.
+    pub residual: Row,
+    /// Each mode's share of what a motion of the motor side shows: both add up to 1.
+    pub shares: [f64; 2],
+}
+
+impl LinearFit {
+    /// Amplitudes of each mode's free vibration, and the offset.
+    pub fn undriven(&self) -> ([[f64; 2]; 2], f64) {
+        let of = |column: usize| -self.residual[column];
+        let free = [0, 1].map(|m| [FREE, FREE + 1].map(|k| of(m * OF_A_MODE + k)));
+        (free, of(CONSTANT))
+    }
 }
 
 /// The derivative of a row by `ln w` or `xi` of a mode: columns and their weights.
@@ -124,6 +163,22 @@ fn solve_linear(pair: &Pair, priors: &Priors, variance: f64) -> Option<Profile> 
 /// Sum of squares at a pair's modes, with the best linear unknowns.
 pub fn profile(pair: &Pair, priors: &Priors, variance: f64) -> Option<f64> {
     solve_linear(pair, priors, variance).map(|profile| profile.cost)
+}
+
+/// The linear unknowns alone, the modes being known.
+pub fn linear(pair: &Pair, priors: &Priors, variance: f64) -> Option<LinearFit> {
+    let profile = solve_linear(pair, priors, variance)?;
+    let solution = profile.factor.backward::<MODES>(&profile.forward);
+    let [_, residual] = residuals(&solution, &slopes(pair, &solution));
+    Some(LinearFit {
+        residual,
+        shares: relative(&solution),
+    })
+}
+
+/// The shares of the modes over their sum.
+fn relative(linear: &[f64; UNKNOWNS]) -> [f64; 2] {
+    shares(linear).map(|own| own / (1.0 + linear[SCALE]))
 }
 
 /// Adds both modes to the normal equations of the linear unknowns; each diagonal element is increased by a
@@ -217,6 +272,7 @@ pub fn fit(pair: &Pair, priors: &Priors, variance: f64, damping: &[f64; 4]) -> O
             core::array::from_fn(|j| factor.inverse_of(MODES + i, MODES + j))
         }),
         gain: (solution[GAIN], factor.inverse(GAIN)),
+        shares: relative(&linear),
         residual,
         linear_residual,
         unknowns: (0..UNKNOWNS).map(share).sum(),

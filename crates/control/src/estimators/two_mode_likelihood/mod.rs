@@ -40,7 +40,7 @@ use super::convergence::{Convergence, SETTLED};
 use super::likelihood::{CONVERGENCE_PERIODS, Likelihood, RULED_OUT};
 use super::{Estimate, Estimator, Sample, Settings};
 
-pub(super) use self::fit::{Priors as PairPriors, fit as fit_pair};
+pub(super) use self::fit::{Priors as PairPriors, fit as fit_pair, linear as fit_linear};
 pub(super) use self::pair::Pair;
 
 /// Share of the time between two samples that replays may take, so that the rest of a tick has enough time. And
@@ -90,6 +90,8 @@ pub struct TwoModeLikelihood {
     convergence: [Convergence; 2],
     converged: [bool; 2],
     told: Option<[Estimate; 2]>,
+    /// Share of the second of these in the motion's deformation.
+    share: f64,
 }
 
 impl TwoModeLikelihood {
@@ -109,6 +111,7 @@ impl TwoModeLikelihood {
             convergence: [Convergence::over(CONVERGENCE_PERIODS); 2],
             converged: [false; 2],
             told: None,
+            share: 0.0,
         }
     }
 
@@ -225,6 +228,7 @@ impl TwoModeLikelihood {
         }
         let (covariance, gain) = (fit.covariance, fit.gain);
         let order = [self.first, 1 - self.first];
+        self.share = fit.shares[order[1]];
         Some(order.map(|m| {
             let std = [2 * m, 2 * m + 1].map(|n| (covariance[n][n] * variance).sqrt());
             Estimate {
@@ -315,6 +319,10 @@ impl Estimator for TwoModeLikelihood {
 
     fn further(&self) -> Option<Estimate> {
         self.told.map(|[_, second]| second)
+    }
+
+    fn further_share(&self) -> Option<f64> {
+        self.told.map(|_| self.share)
     }
 
     fn restart(&mut self) {

@@ -115,9 +115,31 @@ impl Pair {
         }
         self.taken += 1.0;
         if let Some(weights) = &self.weights {
-            let residual = weights.iter().zip(&self.row).map(|(w, x)| w * x).sum();
+            let residual = self.weighed(weights);
             self.correlation.observe(residual);
         }
+    }
+
+    /// All samples; `each` sees it after each of them.
+    pub fn along(
+        samples: &[Sample],
+        modes: [Mode; 2],
+        sample_time: f64,
+        mut each: impl FnMut(&Self),
+    ) -> Self {
+        let mut pair = Self::new(modes, sample_time);
+        let mut window = Window::with_capacity(samples.len());
+        for &sample in samples {
+            window.push(sample);
+            pair.absorb(&window);
+            each(&pair);
+        }
+        pair
+    }
+
+    /// A weighted sum of the last row's columns.
+    pub fn weighed(&self, weights: &Row) -> f64 {
+        weights.iter().zip(&self.row).map(|(w, x)| w * x).sum()
     }
 
     /// `d lambda / d ln w` and `d lambda / d xi` of a mode.
