@@ -37,6 +37,9 @@ struct KnownInertia {
 struct Series {
     time: Vec<f64>,
     values: Vec<f64>,
+    /// Slope of each line, and the mean number of samples in a second.
+    slopes: Vec<f64>,
+    rate: f64,
 }
 
 impl Known {
@@ -145,9 +148,13 @@ impl Series {
         // A spline refuses invalid series: fewer than two samples, values that are not finite, times that do
         // not advance.
         quell_signal::CubicSpline::new(time, values, quell_signal::End::Natural)?;
+        let slope = |k: usize| (values[k + 1] - values[k]) / (time[k + 1] - time[k]);
+        let last = time.len() - 1;
         Ok(Self {
             time: time.clone(),
             values: values.clone(),
+            slopes: (0..last).map(slope).collect(),
+            rate: last as f64 / (time[last] - time[0]),
         })
     }
 
@@ -155,15 +162,13 @@ impl Series {
     fn at(&self, time: f64) -> f64 {
         let last = self.time.len() - 1;
         let time = time.clamp(self.time[0], self.time[last]);
-        let share = (time - self.time[0]) / (self.time[last] - self.time[0]);
         // With an even clock the guess is right.
-        let guess = ((share * last as f64) as usize).min(last - 1);
+        let guess = (((time - self.time[0]) * self.rate) as usize).min(last - 1);
         let k = match self.time[guess] <= time && time <= self.time[guess + 1] {
             true => guess,
             false => self.time.partition_point(|t| *t <= time).clamp(1, last) - 1,
         };
-        let share = (time - self.time[k]) / (self.time[k + 1] - self.time[k]);
-        self.values[k] + share * (self.values[k + 1] - self.values[k])
+        self.values[k] + self.slopes[k] * (time - self.time[k])
     }
 }
 

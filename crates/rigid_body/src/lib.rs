@@ -8,6 +8,7 @@ mod dynamics;
 mod payload;
 mod robot;
 mod rotor;
+mod smoother;
 
 pub use beside::{Beside, beside};
 pub use coupling::{Cause, Coupling, couplings};
