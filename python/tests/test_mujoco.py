@@ -165,3 +165,31 @@ def test_what_cannot_be_is_said() -> None:
         quell.mujoco.patch(mujoco.MjModel.from_xml_string(six_axes.mjcf()), {})
     with pytest.raises(quell.SimulationError, match="rigid"):
         quell.mujoco.simulate(six_axes.mjcf(), log, "elbow", input="motor")
+
+
+def test_what_is_known_of_the_other_joints_adds_no_noise() -> None:
+    """The machine itself predicts what was recorded of it: the motion of the other joints is as exact as their encoders."""
+    hidden = {"elbow": Hidden(stiffness=15000.0, spring_damping=30.0, gap=1e-3)}
+    log = six_axes.record(hidden, seconds=5.0, seed=7)
+    text = six_axes._machine(hidden)
+    spec = mujoco.MjSpec.from_string(text)
+    machine = quell.mujoco.Patched({}, text, (), (), (), {"elbow": "elbow_bend"}, spec)
+    over = over_noise(machine, log, "elbow")
+    assert over["motor_position"] < 1.1 and over["link_position"] < 1.1
+
+
+def test_progress_is_over_all_sides_and_a_limit_is_kept() -> None:
+    log = six_axes.record({"elbow": Hidden(stiffness=15000.0, spring_damping=30.0)}, seconds=3.0)
+    told: list[tuple[float, str]] = []
+    quell.mujoco.diagnose(
+        six_axes.mjcf(),
+        log,
+        joints=["elbow", "wrist"],
+        time_limit=1.0,
+        progress=lambda share, what: told.append((share, what)),
+    )
+    assert all(0.0 <= share <= 1.0 for share, _ in told)
+    sides = list(dict.fromkeys(what.partition(":")[0] for _, what in told))
+    assert sides == ["elbow, drive", "elbow, transmission", "wrist, drive"]
+    firsts = [min(share for share, what in told if what.startswith(side)) for side in sides]
+    assert firsts == sorted(firsts) and firsts[-1] >= 2.0 / 3.0

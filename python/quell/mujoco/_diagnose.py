@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Union
 
-from .._progress import Progress
+from .._progress import Progress, shown
 from .._result import Result, bold, paragraph, table
 from ..diagnosis import Diagnosis, diagnose as diagnose_one
 from ..findings import Finding
@@ -196,11 +197,11 @@ def diagnose(
     seed : int, default 1
         Seed of the confidence intervals' bootstrap.
     time_limit : float, optional
-        Ends the search for further effects of each side after so many seconds.
+        Ends the search for further effects after so many seconds: each side has an equal part of what is left.
     threads : int, optional
         Threads to work with; one a core by default.
     progress : bool or callable, optional
-        As in `quell.diagnose`, for each side.
+        As in `quell.diagnose`, over all sides; what is being done begins with the joint and its side.
 
     Returns
     -------
@@ -228,26 +229,57 @@ def diagnose(
     names = list(dict.fromkeys(name for run in runs for name in run)) if joints is None else list(joints)
     told: dict[str, JointDiagnosis] = {}
     aside: dict[str, str] = {}
-
-    def answer(sides: list[Side]) -> Diagnosis | None:
-        if not sides:
-            return None
-        recordings = [side.recording for side in sides]
-        return diagnose_one(
-            sides[0].model, recordings, seed=seed, time_limit=time_limit, threads=threads, progress=progress
-        )
-
+    sides: dict[str, tuple[list[Side], list[Side]]] = {}
     for name in names:
         own = joint_of(all_joints, name)
-        here = [(run[name], body) for run, body in zip(runs, bodies) if name in run]
-        drives, springs = _sides(model, own, here)
-        drive, transmission = answer(drives), answer(springs)
-        if drive is None and transmission is None:
-            aside[name] = "it has no motor_position with an input (command_position to a servo, or torque)"
-            continue
-        told[name] = _joint_told(name, drive, transmission, (springs or drives)[0].inertia)
+        sides[name] = _sides(model, own, [(run[name], body) for run, body in zip(runs, bodies) if name in run])
+    with shown(progress) as tell:
+        work = _Work(sum(bool(one) for both in sides.values() for one in both), seed, time_limit, threads, tell)
+        for name, (drives, springs) in sides.items():
+            drive, transmission = work.answer(f"{name}, drive", drives), work.answer(f"{name}, transmission", springs)
+            if drive is None and transmission is None:
+                aside[name] = "it has no motor_position with an input (command_position to a servo, or torque)"
+                continue
+            told[name] = _joint_told(name, drive, transmission, (springs or drives)[0].inertia)
     document = {"joints": {name: own.document for name, own in told.items()}, "set_aside": aside}
     return RobotDiagnosis(document, told, aside)
+
+
+@dataclass
+class _Work:
+    """Diagnoses of sides, one after the other; `left` are still to come."""
+
+    left: int
+    seed: int
+    time_limit: float | None
+    threads: int | None
+    tell: Callable[[float, str], None] | None
+    done: int = 0
+    start: float = field(default_factory=time.monotonic)
+
+    def answer(self, called: str, sides: list[Side]) -> Diagnosis | None:
+        """The diagnosis of one side in all runs; None where no run shows it."""
+        if not sides:
+            return None
+        limit = None
+        if self.time_limit is not None:
+            limit = max(self.time_limit - (time.monotonic() - self.start), 0.0) / self.left
+        told = diagnose_one(
+            sides[0].model,
+            [side.recording for side in sides],
+            seed=self.seed,
+            time_limit=limit,
+            threads=self.threads,
+            progress=self._part(called),
+        )
+        self.left, self.done = self.left - 1, self.done + 1
+        return told
+
+    def _part(self, called: str) -> Callable[[float, str], None] | bool:
+        tell, done, count = self.tell, self.done, self.done + self.left
+        if tell is None:
+            return False
+        return lambda share, what: tell((done + share) / count, f"{called}: {what}")
 
 
 def _sides(model: Any, joint: Joint, here: list[tuple[Recording, RigidBody]]) -> tuple[list[Side], list[Side]]:
