@@ -554,3 +554,29 @@ fn the_rate_is_that_of_the_first_and_last_stamp() {
         assert!(text.contains(shown) && !text.contains("3205"), "{text}");
     }
 }
+
+/// What an arm carries is a column of the log: each payload is a recording that declares it, whether its time begins again or
+/// goes on.
+#[test]
+fn val_a_column_of_payloads_is_declared() {
+    for goes_on in [false, true] {
+        let folder = TempDir::new().unwrap();
+        let mut text = String::from("time_s,payload_kg,motor_deg,link_deg\n");
+        for (block, payload) in ["0", "1.5"].into_iter().enumerate() {
+            for k in 0..200 {
+                let t = f64::from(k) * 0.002 + if goes_on { block as f64 } else { 0.0 };
+                let motor = (9.0 * t).sin();
+                text += &format!("{t},{payload},{motor},{}\n", 1.01 * motor);
+            }
+        }
+        let file = folder.path().join("moves.csv");
+        std::fs::write(&file, text).unwrap();
+        let mut command = Command::cargo_bin("quell").unwrap();
+        command.arg("inspect").arg(&file).assert().success();
+        for (manifest, payload) in [("recording.toml", "0 kg"), ("moves_1.5.toml", "1.5 kg")] {
+            let text = std::fs::read_to_string(folder.path().join(manifest)).unwrap();
+            assert!(text.contains(&format!("payload = \"{payload}\"")), "{text}");
+            assert!(!text.contains("not used"), "{text}");
+        }
+    }
+}

@@ -168,22 +168,15 @@ pub fn tests(content: &Content, clock: &Clock) -> Option<usize> {
     let stamps = &content.columns[*time];
     let rows = stamps.numbers.len();
     if unit.value.is_text() || stamps.grows(0..rows) {
-        return None;
+        let payload = |column: &Column| column.name.is_payload() && column.is_of_blocks();
+        return content.columns.iter().position(payload);
     }
     // The starts of the stretches of growing time.
     let falls = |row: &usize| stamps.numbers[*row] <= stamps.numbers[*row - 1];
     let begins = (1..rows).filter(falls).count() + 1;
-    let parts = |column: &Column| {
-        let mut values = column.distinct.clone();
-        values.sort();
-        values.dedup();
-        values.len() == column.distinct.len() && values.len() > 1 && values.len() >= begins
-    };
-    let tells = (0..content.columns.len()).filter(|&index| {
-        index != *time
-            && parts(&content.columns[index])
-            && content.columns[index].distinct.len() < rows
-    });
+    let parts = |column: &Column| column.is_of_blocks() && column.distinct.len() >= begins;
+    let tells = (0..content.columns.len())
+        .filter(|&index| index != *time && parts(&content.columns[index]));
     // A repeated sample splits a signal into many parts; the column with the fewest values is that of the
     // tests.
     tells.min_by_key(|&index| content.columns[index].distinct.len())

@@ -6,6 +6,7 @@ use super::super::table::{self, Table, parquet};
 use super::form;
 use super::name::{self, Name};
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Usual cells for missing values.
@@ -47,6 +48,8 @@ pub struct Column {
     pub first: String,
     /// Its distinct cells in their order, if there are few.
     pub distinct: Vec<String>,
+    /// The rows from which on these stand, counted from 0.
+    pub begins: Vec<usize>,
 }
 
 /// A cell that is neither a number nor missing.
@@ -184,6 +187,7 @@ impl Column {
             bad: None,
             first: String::new(),
             distinct: Vec::new(),
+            begins: Vec::new(),
         }
     }
 
@@ -207,6 +211,7 @@ impl Column {
         let is_new = self.distinct.last().is_none_or(|last| last != cell);
         if is_new && self.distinct.len() <= MOST_TESTS {
             self.distinct.push(cell.into());
+            self.begins.push(self.numbers.len() - 1);
         }
         missing
     }
@@ -220,6 +225,34 @@ impl Column {
     pub fn is_mostly_numeric(&self) -> bool {
         let numbers = self.numbers.iter().filter(|number| number.is_finite());
         self.texts > 0 && numbers.count() > self.texts
+    }
+
+    /// The one cell of these rows, if they have one.
+    pub fn one_of(&self, rows: Range<usize>) -> Option<&str> {
+        let block = self
+            .begins
+            .partition_point(|row| *row <= rows.start)
+            .checked_sub(1)?;
+        let ends = self.begins.get(block + 1).copied();
+        let is_one =
+            ends.unwrap_or(self.numbers.len()) >= rows.end && self.distinct.len() <= MOST_TESTS;
+        is_one.then(|| self.distinct[block].as_str())
+    }
+
+    /// The rows in which a value stands, of values that each stand in one block.
+    pub fn rows_of(&self, value: &str) -> Option<Range<usize>> {
+        let block = self.distinct.iter().position(|own| own == value)?;
+        let ends = self.begins.get(block + 1).copied();
+        Some(self.begins[block]..ends.unwrap_or(self.numbers.len()))
+    }
+
+    /// Whether it has several values, and each stands in one block of rows.
+    pub fn is_of_blocks(&self) -> bool {
+        let mut values: Vec<&String> = self.distinct.iter().collect();
+        values.sort();
+        values.dedup();
+        let count = self.distinct.len();
+        values.len() == count && (2..=MOST_TESTS).contains(&count) && count < self.numbers.len()
     }
 
     /// Whether the numbers of these rows grow from each to the next.

@@ -2,8 +2,8 @@
 
 use super::super::role::{ROLES, Role};
 use super::super::stamp::TimeUnit;
-use super::super::unit::Unit;
-use super::words::{COUNTS, TIME, WORDS};
+use super::super::unit::{Dimension, Unit};
+use super::words::{COUNTS, PAYLOADS, TIME, WORDS};
 
 /// The parts of a name.
 #[derive(Clone, Debug, Default)]
@@ -185,5 +185,15 @@ impl Name {
     /// Whether the name means a counter of rows.
     pub fn is_count(&self) -> bool {
         self.words.len() == 1 && COUNTS.contains(&self.words[0].as_str())
+    }
+
+    /// Whether it is what the axis carries.
+    pub fn is_payload(&self) -> bool {
+        let mass =
+            |unit: &String| self::unit(unit).is_none_or(|own| own.dimension == Dimension::Mass);
+        self.words
+            .iter()
+            .any(|word| PAYLOADS.contains(&word.as_str()))
+            && self.unit.as_ref().is_none_or(mass)
     }
 }

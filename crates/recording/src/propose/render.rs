@@ -5,7 +5,7 @@ use super::super::role::Role;
 use super::super::stamp::TimeUnit;
 use super::clock::{self, Clock};
 use super::columns::{self, Channel, Channels};
-use super::content::Content;
+use super::content::{Column, Content};
 use super::{Guess, Proposal, Proposed, joint, manifest_name};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -118,6 +118,15 @@ fn manifest(name: String, title: &str, files: &[Read], test: Option<&str>) -> Pr
     let mut text =
         String::from("# Proposed by `quell inspect`. Look at what is guessed, and correct it.\n");
     let _ = writeln!(text, "name = {}", quoted(title));
+    let payload = files.iter().find_map(|file| file.payload(test));
+    if let Some((column, value)) = &payload {
+        let said = line(&column.title);
+        let _ = writeln!(
+            text,
+            "payload = {}  # by the column {said:?}",
+            quoted(value)
+        );
+    }
     let shared = files
         .iter()
         .all(|file| file.content.layout == files[0].content.layout);
@@ -138,7 +147,13 @@ fn manifest(name: String, title: &str, files: &[Read], test: Option<&str>) -> Pr
             .channels
             .unused
             .iter()
-            .map(|i| file.content.columns[*i].title.as_str())
+            .map(|i| &file.content.columns[*i])
+            .filter(|own| {
+                payload
+                    .as_ref()
+                    .is_none_or(|(used, _)| !std::ptr::eq(*used, *own))
+            })
+            .map(|own| own.title.as_str())
             .collect();
         if !unused.is_empty() {
             let _ = writeln!(
@@ -153,14 +168,37 @@ fn manifest(name: String, title: &str, files: &[Read], test: Option<&str>) -> Pr
 }
 
 impl Read<'_> {
-    fn only(&self, test: Option<&str>) -> Option<(String, String)> {
-        let column = self.content.columns[self.tests?].called.clone();
-        Some((column, test?.into()))
+    /// The column of the tests, the test, and why it is one.
+    fn only(&self, test: Option<&str>) -> Option<(String, String, &'static str)> {
+        let column = &self.content.columns[self.tests?];
+        let why = match column.name.is_payload() {
+            true => "each payload is a recording of its own",
+            false => "the time begins again with each",
+        };
+        Some((column.called.clone(), test?.into(), why))
+    }
+
+    /// The payload throughout a test, or the file, and its column.
+    fn payload(&self, test: Option<&str>) -> Option<(&Column, String)> {
+        let content = self.content;
+        let column = content.columns.iter().find(|own| own.name.is_payload())?;
+        let rows = match (self.tests, test) {
+            (Some(index), Some(test)) => content.columns[index].rows_of(test)?,
+            _ => 0..column.numbers.len(),
+        };
+        let cell = column.one_of(rows).filter(|cell| !cell.is_empty())?;
+        let unit = column.name.unit.iter().map(|unit| format!(" {unit}"));
+        Some((column, cell.to_owned() + &unit.collect::<String>()))
     }
 }
 
 /// The table of the layout; empty for a plain file.
-fn layout(head: &str, before: &str, layout: &Layout, only: Option<(String, String)>) -> String {
+fn layout(
+    head: &str,
+    before: &str,
+    layout: &Layout,
+    only: Option<(String, String, &str)>,
+) -> String {
     let mut text = String::new();
     let mark = |mark: char| quoted(&mark.to_string());
     for (key, value) in [
@@ -189,10 +227,10 @@ fn layout(head: &str, before: &str, layout: &Layout, only: Option<(String, Strin
             cells.join(", ")
         );
     }
-    if let Some((column, test)) = only {
+    if let Some((column, test, why)) = only {
         let _ = writeln!(
             text,
-            "only = {{ {} = {} }}  # guessed: the time begins again with each",
+            "only = {{ {} = {} }}  # guessed: {why}",
             quoted(&column),
             quoted(&test)
         );

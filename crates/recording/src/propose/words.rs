@@ -237,3 +237,6 @@ pub const TIME: &[&str] = &[
 ];
 /// Words for counters.
 pub const COUNTS: &[&str] = &["sample", "index", "n", "i", "row", "no", "nr", "count"];
+
+/// Words for what an axis carries.
+pub const PAYLOADS: &[&str] = &["payload", "nutzlast", "zuladung"];
