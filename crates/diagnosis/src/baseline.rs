@@ -1,6 +1,5 @@
 //! The given model, refitted: problem, noise floor, held-out part.
 
-use super::bounds::HEAVIEST;
 use super::fit::Fitted;
 use super::noise::rounding;
 use super::point::Point;
@@ -13,15 +12,11 @@ use super::thresholds::LONG;
 use super::whitening::Whitening;
 use quell_model::effects::Catalogue;
 use quell_model::{Experiment, Model};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Largest departure of a key from its believed value, in believed standard deviations. A value farther away
 /// means another machine.
 const FARTHEST: f64 = 3.0;
-
-/// Ratio of two neighbouring starts of a frequency: a fit finds its way from one start to the next.
-const NEXT: f64 = 1.08;
 
 /// The problem of fitting a model to experiments. The noise is taken for white, at the level of third
 /// differences.
@@ -114,7 +109,7 @@ pub fn first_guess(experiment: &Experiment) -> Vec<Whitening> {
     experiment.outputs.iter().map(guess).collect()
 }
 
-/// The best fit from several starts of the frequency, each with the inertia of every payload that suits it best.
+/// The best fit from several starts of the frequency.
 pub fn refit(problem: &mut Problem, start: &Point, projector: &Projector) -> Fitted {
     let mut starts = vec![start.clone()];
     if let Some((frequency, _)) = problem.kind.mode {
@@ -128,32 +123,10 @@ pub fn refit(problem: &mut Problem, start: &Point, projector: &Projector) -> Fit
     let mut costs: Vec<(f64, Point)> = starts
         .into_iter()
         .map(|point| {
-            let loaded = with_payloads(problem, point, projector);
-            let short = problem.fit(&loaded, projector, 3);
+            let short = problem.fit(&point, projector, 3);
             (short.cost, short.point)
         })
         .collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     problem.fit(&costs[0].1, projector, LONG)
-}
-
-/// A point with the inertia of each payload at the best of a grid. A payload moves the frequency of its recordings by more than
-/// what a fit finds its way back from, and nobody has said how heavy it is.
-fn with_payloads(problem: &Problem, start: Point, projector: &Projector) -> Point {
-    let (least, greatest) = HEAVIEST;
-    let count = ((greatest / least).ln() / (2.0 * NEXT.ln())).ceil() as usize;
-    let each = |k: usize| least * (greatest / least).powf(k as f64 / count as f64);
-    let mut best = start;
-    for payload in problem.free_payloads.clone() {
-        let tried = (0..=count).into_par_iter().map(|k| {
-            let mut other = best.clone();
-            other.inertias[payload] = each(k);
-            (problem.evaluate(&other, projector).cost, other)
-        });
-        let as_it_is = (problem.evaluate(&best, projector).cost, best.clone());
-        let tried = tried.collect::<Vec<_>>().into_iter().chain([as_it_is]);
-        let least = tried.min_by(|a, b| a.0.total_cmp(&b.0));
-        best = least.map_or(best, |own| own.1);
-    }
-    best
 }

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 /// Least and greatest inertia with one payload, relative to that with another. A robot carries up to its own
 /// weight, at the end of an arm whose own weight is distributed along it.
-pub const HEAVIEST: (f64, f64) = (0.05, 20.0);
+const HEAVIEST: (f64, f64) = (0.05, 20.0);
 
 impl Problem<'_> {
     /// The places at which effects may act, and the linear part of the model at its believed values, which says

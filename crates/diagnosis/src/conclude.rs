@@ -15,7 +15,7 @@ use super::nuisances::{intervals_of_keys, nuisances};
 use super::outcome::Options;
 use super::point::{EffectAt, Global, Point};
 use super::quality::{level, quality};
-use super::scores::{Recordings, scores, take_over};
+use super::scores::{Laden, Recordings, scores, take_over};
 use super::search::Search;
 use super::split::HeldOut;
 use super::summary::{odds, summary, times};
@@ -79,14 +79,20 @@ pub fn conclude(
     };
     let scale = super::tracker_scale::tell(search, &mut diagnosis);
     let given = search.judge.model;
-    let refitted = better_model(given, &found.baseline.fitted.point);
-    let better = better_model(given, &reported(verdict, found).fitted.point);
+    let points = [&found.baseline, reported(verdict, found)].map(|own| &own.fitted.point);
+    let [refitted, better] = points.map(|point| better_model(given, point));
     let better = match &scale {
         Some(scale) => scale.corrected(better),
         None => better,
     };
-    let with_findings = (!diagnosis.findings.is_empty()).then_some(&better);
-    diagnosis.fit.scores = scores(&refitted, with_findings, recordings);
+    let models = [&refitted, &better];
+    let [before, after] = [0, 1].map(|k| Laden {
+        model: models[k],
+        payloads: &search.problem.payloads,
+        inertias: &points[k].inertias,
+    });
+    let with_findings = (!diagnosis.findings.is_empty()).then_some(after);
+    diagnosis.fit.scores = scores(before, with_findings, recordings);
     if is_seen_alike(search, &diagnosis.fit) {
         take_over(&mut diagnosis.fit);
     }

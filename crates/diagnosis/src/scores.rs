@@ -8,19 +8,43 @@ use quell_recording::Recording;
 /// Recordings that were fitted, and recordings that were held out as a whole.
 pub type Recordings<'a> = (&'a [Recording], &'a [Recording]);
 
+/// A model, and the inertia of its link with each payload of the recordings, relative to that of the model.
+#[derive(Clone, Copy)]
+pub struct Laden<'a> {
+    pub model: &'a Model,
+    pub payloads: &'a [Option<String>],
+    pub inertias: &'a [f64],
+}
+
+impl Laden<'_> {
+    /// The model with the payload of a recording; a payload that was not fitted is the model's own.
+    fn with_payload_of(&self, recording: &Recording) -> Model {
+        let mut model = self.model.clone();
+        let mut pairs = self.payloads.iter().zip(self.inertias);
+        if let Some((_, &inertia)) = pairs.find(|(own, _)| **own == recording.payload) {
+            let keys = model.kind.loaded(&model.keys(), inertia);
+            for (value, loaded) in model.values.iter_mut().zip(keys) {
+                value.value = loaded;
+            }
+        }
+        model
+    }
+}
+
 /// [`score`] of the refitted model and, if there are findings, of the model with them. A recording for which it
 /// fails, for example because the model diverges, is left out.
 pub fn scores(
-    refitted: &Model,
-    with_findings: Option<&Model>,
+    refitted: Laden,
+    with_findings: Option<Laden>,
     (train, held_out): Recordings,
 ) -> Vec<Scored> {
     let fitted = train.iter().map(|recording| (recording, false));
     let all = fitted.chain(held_out.iter().map(|recording| (recording, true)));
     let scored = |(recording, held_out): (&Recording, bool)| {
-        let before = score(refitted, recording).ok()?;
+        let of = |own: Laden| score(&own.with_payload_of(recording), recording).ok();
+        let before = of(refitted)?;
         let after = match with_findings {
-            Some(model) => score(model, recording).ok()?,
+            Some(model) => of(model)?,
             None => before.clone(),
         };
         Some(Scored {
