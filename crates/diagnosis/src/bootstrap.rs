@@ -146,8 +146,7 @@ struct World<'a> {
     /// What is predicted, for each experiment and output.
     predicted: Vec<Vec<Vec<f64>>>,
     noise: Vec<Vec<OutputNoise>>,
-    /// Errors of the inputs, and whether their noise is drawn with them.
-    input: Vec<(InputError, bool)>,
+    input: Vec<InputError>,
     /// Ends the replicates.
     stop: Stop,
 }
@@ -167,10 +166,10 @@ impl<'a> World<'a> {
             predicted.push(values.zip(&left).map(less).collect());
             noise.push(output_noise::of(search, best, e, &left));
         }
-        // The noise of an input that counts as noise of the outputs is drawn with theirs.
-        let error = |e: usize| {
-            let heard = problem.heard_input_noise(e).is_some();
-            (InputError::of(&problem.experiments[e]), !heard)
+        // The noise of an input that counts as noise of the outputs is drawn with theirs, if it is as large at any time.
+        let error = |e: usize| match InputError::of(&problem.experiments[e]) {
+            InputError::White(_) if problem.heard_input_noise(e).is_some() => InputError::None,
+            error => error,
         };
         Self {
             search,

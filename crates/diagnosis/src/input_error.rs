@@ -23,20 +23,15 @@ pub fn noise(error: InputError, values: &[f64]) -> Option<f64> {
     }
 }
 
-/// The input with another draw of an error added; `None` where there is no error. `noise` tells whether that holds the part
-/// of it that is noise, too.
-pub fn drawn(
-    (error, noise): (InputError, bool),
-    values: &[f64],
-    random: &mut impl Rng,
-) -> Option<Vec<f64>> {
+/// The input with another draw of an error added; `None` where there is no error.
+pub fn drawn(error: InputError, values: &[f64], random: &mut impl Rng) -> Option<Vec<f64>> {
     match error {
-        InputError::Rounding(step) => Some(rounded_again(values, (step, noise), random)),
-        InputError::White(deviation) if noise => {
-            let noisy = |u: &f64| u + deviation * random.sample::<f64, _>(StandardNormal);
+        InputError::None => None,
+        InputError::Rounding(step) => Some(rounded_again(values, step, random)),
+        InputError::White(noise) => {
+            let noisy = |u: &f64| u + noise * random.sample::<f64, _>(StandardNormal);
             Some(values.iter().map(noisy).collect())
         }
-        InputError::None | InputError::White(_) => None,
     }
 }
 
@@ -58,8 +53,8 @@ fn jumps(values: &[f64], levels: &[Range<usize>], index: usize) -> [f64; 2] {
 ///
 /// The rounding is first undone: between two steps of the record the value went from one edge of its level to
 /// the other, at rest it stayed in the middle. Where it moves by more than a step per sample, the errors are
-/// independent of each other; these are drawn if `noise` says so.
-fn rounded_again(values: &[f64], (step, noise): (f64, bool), random: &mut impl Rng) -> Vec<f64> {
+/// independent of each other.
+fn rounded_again(values: &[f64], step: f64, random: &mut impl Rng) -> Vec<f64> {
     let phase: f64 = random.random();
     let levels = levels(values, step);
     let mut rounded = Vec::with_capacity(values.len());
@@ -69,13 +64,12 @@ fn rounded_again(values: &[f64], (step, noise): (f64, bool), random: &mut impl R
         let after = levels.get(index + 1);
         let [from, to] = jumps(values, &levels, index);
         let fast = is_fast(values, step, &levels, index);
-        let apart = if noise { step } else { 0.0 };
         let length = |other: Option<&Range<usize>>| other.map_or(0.0, |o| o.len() as f64);
         let half = 0.5 * level.len() as f64;
         let (enters, leaves) = (length(before).min(half), length(after).min(half));
         for k in level.clone() {
             if fast {
-                rounded.push(value + apart * (random.random::<f64>() - 0.5));
+                rounded.push(value + step * (random.random::<f64>() - 0.5));
                 continue;
             }
             let since = (k - level.start) as f64 + 0.5;

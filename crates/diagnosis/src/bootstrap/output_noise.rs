@@ -7,7 +7,7 @@
 use crate::explanation::Explanation;
 use crate::search::Search;
 use crate::whitening::Whitening;
-use quell_model::Output;
+use quell_model::{InputError, Output};
 use quell_recording::health::quantum;
 use rand::Rng;
 use rand_distr::StandardNormal;
@@ -53,7 +53,15 @@ pub fn of(search: &Search, best: &Explanation, e: usize, left: &[Vec<f64>]) -> V
     let unit = search.judge.unit(best);
     let chance = CHANCE * (2.0 / search.judge.train_rows.max(1) as f64).sqrt();
     let noise = |(k, output): (usize, &Output)| {
-        let whitening = problem.whitening[e][k].louder(unit.sqrt());
+        let noise = match InputError::of(&problem.experiments[e]) {
+            // That of the input is drawn with the input: it is there in motion only.
+            InputError::Rounding(_) => {
+                let raised = problem.whitening[e][k].deviation / problem.noise[e][k].deviation;
+                problem.sensor_noise[e][k].louder(raised)
+            }
+            _ => problem.whitening[e][k].clone(),
+        };
+        let whitening = noise.louder(unit.sqrt());
         if let Some(rounding) = rounding(output, &whitening) {
             return rounding;
         }
