@@ -10,7 +10,7 @@ use tungstenite::{Message, WebSocket, client::client};
 use super::process::{Process, announced};
 
 /// The time that a slow machine may take for one step.
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_secs(600);
 
 /// Notes what the page asks for, before any script of it runs.
 const NOTES: &str = "globalThis.asked = []; const plain = fetch; \

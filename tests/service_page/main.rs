@@ -175,10 +175,12 @@ fn a_robot_is_moved_and_diagnosed_from_the_page() {
 
 fn diagnosed(browser: &mut Browser) {
     browser.click("#recordings tr:last-child button", 1);
-    browser.until("document.querySelector('#verdict').textContent.includes('Nothing is missing')");
+    // Missing is nothing: to the noise, or to a little more where a busy machine makes ticks late, between two samples of the encoder.
+    browser.until("document.querySelector('#verdict').textContent.includes('Nothing ')");
     let verdict = browser.text("#verdict");
     assert!(
-        verdict.starts_with("move-000001: Nothing is missing"),
+        verdict.starts_with("move-000001: Nothing is missing")
+            || verdict.starts_with("move-000001: Nothing was found to be missing"),
         "{verdict}"
     );
     browser.until("document.querySelector('#report').href.endsWith('/report')");
