@@ -185,7 +185,7 @@ fn credible(ranked: &[(Explanation, f64)], best: &Explanation) -> Vec<Explanatio
 }
 
 /// Whether an explanation has all effects of a simpler one, or laws that contain them as limits.
-fn contains(own: &Explanation, simpler: &Explanation) -> bool {
+pub fn contains(own: &Explanation, simpler: &Explanation) -> bool {
     let own = own.effects();
     let mut simpler = simpler.effects().into_iter();
     simpler.all(|simple| own.iter().any(|law| is_or_contains(law, &simple)))

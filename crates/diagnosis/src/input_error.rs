@@ -15,8 +15,9 @@ pub fn noise(error: InputError, values: &[f64]) -> Option<f64> {
         InputError::White(deviation) => Some(deviation),
         InputError::Rounding(step) => {
             let levels = levels(values, step);
-            let fast = (0..levels.len()).filter(|&index| is_fast(values, step, &levels, index));
-            let count: usize = fast.map(|index| levels[index].len()).sum();
+            let fast =
+                |&index: &usize| is_fast(&levels[index], jumps(values, &levels, index), step);
+            let count = (0..levels.len()).filter(fast).count();
             let share = count as f64 / values.len().max(1) as f64;
             (count > 0).then(|| step * (share / 12.0).sqrt())
         }
@@ -35,10 +36,9 @@ pub fn drawn(error: InputError, values: &[f64], random: &mut impl Rng) -> Option
     }
 }
 
-/// Whether a level is passed within a sample, by more than a step.
-fn is_fast(values: &[f64], step: f64, levels: &[Range<usize>], index: usize) -> bool {
-    let far = |jump: &f64| jump.abs() > 1.5 * step;
-    levels[index].len() == 1 && jumps(values, levels, index).iter().any(far)
+/// Whether a level of these [`jumps`] is passed within a sample, by more than a step.
+fn is_fast(level: &Range<usize>, jumps: [f64; 2], step: f64) -> bool {
+    level.len() == 1 && jumps.iter().any(|jump| jump.abs() > 1.5 * step)
 }
 
 /// Changes from the level before to this one, negative, and from this one to the next; 0 where there is none.
@@ -63,7 +63,7 @@ fn rounded_again(values: &[f64], step: f64, random: &mut impl Rng) -> Vec<f64> {
         let before = index.checked_sub(1).map(|i| &levels[i]);
         let after = levels.get(index + 1);
         let [from, to] = jumps(values, &levels, index);
-        let fast = is_fast(values, step, &levels, index);
+        let fast = is_fast(level, [from, to], step);
         let length = |other: Option<&Range<usize>>| other.map_or(0.0, |o| o.len() as f64);
         let half = 0.5 * level.len() as f64;
         let (enters, leaves) = (length(before).min(half), length(after).min(half));

@@ -22,6 +22,7 @@ use super::point::Point;
 use super::problem::Problem;
 use super::whitening::{Innovation, Whitening};
 use quell_model::InputError;
+use quell_signal::polynomial;
 
 /// Places of a recording, as shares of its length, at which the response is taken: an error between the nodes
 /// of a smoothed input moves the chain less than one at a node.
@@ -94,8 +95,8 @@ fn beside(own: &Whitening, heard: &[f64]) -> Option<Whitening> {
     poles.extend(own.coefficients.iter().map(|a| -a));
     let order = own.coefficients.len() + 2;
     let still = Filtered::new(&covariance, poles.clone(), order);
-    let ringing =
-        poles_of(heard).map(|mode| Filtered::new(&covariance, times(&poles, &mode), order));
+    let ringing = poles_of(heard)
+        .map(|mode| Filtered::new(&covariance, polynomial::product(&poles, &mode), order));
     let least = ringing.filter(|own| own.left_out() < still.left_out());
     least.unwrap_or(still).whitening()
 }
@@ -156,17 +157,6 @@ impl<'a> Filtered<'a> {
     }
 }
 
-/// Product of two polynomials.
-fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
-    let mut product = vec![0.0; a.len() + b.len() - 1];
-    for (i, x) in a.iter().enumerate() {
-        for (j, y) in b.iter().enumerate() {
-            product[i + j] += x * y;
-        }
-    }
-    product
-}
-
 /// `1 - a_1 z - a_2 z^2` that fits `c_l = a_1 c_(l-1) + a_2 c_(l-2)` best; `None` where it is not stable.
 fn poles_of(c: &[f64]) -> Option<[f64; 3]> {
     let (mut xx, mut xy, mut yy, mut xc, mut yc) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -223,7 +213,7 @@ mod tests {
         /// The factor of a moving average with roots outside the unit circle is itself.
         #[test]
         fn val_a_moving_average_is_found_again(a in -0.9..0.9f64, b in -0.9..0.9f64, variance in 0.1..10.0f64) {
-            let own = times(&[1.0, a], &[1.0, b]);
+            let own = polynomial::product(&[1.0, a], &[1.0, b]);
             let covariance: Vec<f64> = (0..3).map(|lag| variance * product(&own, lag)).collect();
             let at = |later: usize, earlier: usize| covariance.get(later - earlier).copied();
             let all = innovations(2, |later, earlier| at(later, earlier).unwrap_or(0.0)).unwrap();
@@ -237,7 +227,7 @@ mod tests {
         /// Also where the first lag has almost no share.
         #[test]
         fn val_a_moving_average_of_the_second_lag_is_found_again(a in 0.5..0.9f64, rest in -1e-4..1e-4f64) {
-            let own = times(&[1.0, a + rest], &[1.0, -a]);
+            let own = polynomial::product(&[1.0, a + rest], &[1.0, -a]);
             let covariance: Vec<f64> = (0..3).map(|lag| product(&own, lag)).collect();
             let at = |later: usize, earlier: usize| covariance.get(later - earlier).copied();
             let all = innovations(2, |later, earlier| at(later, earlier).unwrap_or(0.0)).unwrap();

@@ -2,8 +2,7 @@
 //! into its credible set. A complicated law may be two simple ones.
 
 use super::explanation::Explanation;
-use super::found::CREDIBLE;
-use super::point::EffectAt;
+use super::found::{CREDIBLE, contains};
 use super::pool::Pool;
 use super::screen::Table;
 use super::search::Search;
@@ -19,7 +18,7 @@ impl Search<'_> {
             && let Some(rival) = self.rival(pool)
         {
             let children = self.extend(&rival, Table::Named, pool).into_iter();
-            let others = children.filter(|child| !holds(child, &before));
+            let others = children.filter(|child| !contains(child, &before));
             others.for_each(|child| pool.add(child));
             pool.mark(&rival, Table::Named);
             self.thin_out(pool);
@@ -49,14 +48,4 @@ impl Search<'_> {
             named.take(BEAM).find(is_rival).map(|own| own.0.clone())
         })
     }
-}
-
-/// Whether an explanation has every effect of another one, or a law that contains it, at its place.
-fn holds(own: &Explanation, other: &Explanation) -> bool {
-    let effects = own.effects();
-    let is_there = |(effect, place): EffectAt| {
-        let holds = |own: &EffectAt| own.0 == effect || own.0.contains(effect);
-        effects.iter().any(|own| own.1 == place && holds(own))
-    };
-    other.effects().into_iter().all(is_there)
 }

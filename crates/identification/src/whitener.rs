@@ -3,6 +3,7 @@
 use nalgebra::{Complex, DMatrix};
 use quell_control::estimators::Sample;
 use quell_shapers::Mode;
+use quell_signal::polynomial::product;
 
 /// Modes with their shares of the motion's deformation and the amplitudes of their free vibration, and an offset.
 pub struct Ringing {
@@ -36,9 +37,7 @@ impl Ringing {
         let without = |left_out: Option<usize>| {
             let others = self.modes.iter().enumerate();
             let others = others.filter(|(m, _)| Some(*m) != left_out);
-            others.fold(vec![1.0], |product, (_, (mode, ..))| {
-                times(&product, &own(mode))
-            })
+            others.fold(vec![1.0], |all, (_, (mode, ..))| product(&all, &own(mode)))
         };
         let mut response = vec![0.0; 2 * self.modes.len() - 1];
         for (m, (mode, share, _)) in self.modes.iter().enumerate() {
@@ -136,27 +135,9 @@ fn pole(mode: &Mode, step: f64) -> Complex<f64> {
 
 /// Coefficients of the delays of `product (1 - p z)`, whose `p` come in pairs.
 fn delays(all: impl Iterator<Item = Complex<f64>>) -> Vec<f64> {
-    let one = vec![Complex::new(1.0, 0.0)];
-    let product = all.fold(one, |product, own| {
-        let mut next = product.clone();
-        next.push(Complex::default());
-        for (k, before) in product.iter().enumerate() {
-            next[k + 1] -= own * before;
-        }
-        next
-    });
-    product[1..].iter().map(|own| own.re).collect()
-}
-
-/// Product of two polynomials.
-fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
-    let mut product = vec![0.0; a.len() + b.len() - 1];
-    for (i, x) in a.iter().enumerate() {
-        for (j, y) in b.iter().enumerate() {
-            product[i + j] += x * y;
-        }
-    }
-    product
+    let one = Complex::new(1.0, 0.0);
+    let all = all.fold(vec![one], |all, own| product(&all, &[one, -own]));
+    all[1..].iter().map(|own| own.re).collect()
 }
 
 /// `P(s) P(-s)` as a polynomial in `s^2`.
@@ -167,7 +148,7 @@ fn even(own: &[f64]) -> Vec<f64> {
         .zip(signs)
         .map(|(own, sign)| sign * own)
         .collect();
-    times(own, &turned).into_iter().step_by(2).collect()
+    product(own, &turned).into_iter().step_by(2).collect()
 }
 
 /// Roots of a polynomial: the eigenvalues of its companion matrix, in units of the geometric mean of the roots.

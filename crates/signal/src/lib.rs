@@ -14,6 +14,7 @@ pub mod integrated_velocity;
 pub mod kinematics;
 pub mod measurement;
 pub mod noise;
+pub mod polynomial;
 pub mod registration;
 pub mod rest;
 pub mod spectrum;

@@ -52,8 +52,9 @@ pub fn of(search: &Search, best: &Explanation, e: usize, left: &[Vec<f64>]) -> V
     let outputs = &problem.experiments[e].outputs;
     let unit = search.judge.unit(best);
     let chance = CHANCE * (2.0 / search.judge.train_rows.max(1) as f64).sqrt();
+    let input = InputError::of(&problem.experiments[e]);
     let noise = |(k, output): (usize, &Output)| {
-        let noise = match InputError::of(&problem.experiments[e]) {
+        let noise = match input {
             // That of the input is drawn with the input: it is there in motion only.
             InputError::Rounding(_) => {
                 let raised = problem.whitening[e][k].deviation / problem.noise[e][k].deviation;

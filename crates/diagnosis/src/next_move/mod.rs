@@ -107,9 +107,7 @@ impl<'a> Pair<'a> {
     /// equal could never fail, and is taken to be right instead.
     fn new(best: &'a Explanation, equal: &'a Explanation) -> Self {
         let [own, theirs] = words::apart(&best.effects(), &equal.effects());
-        let holds = |law: &Effect, simple: &Effect| {
-            law.contains(simple) || law.far_limits().any(|far| far == simple)
-        };
+        let holds = |law: &Effect, simple: &Effect| law.contains(simple) || law.becomes(simple);
         let limit = |simple: &&EffectAt| theirs.iter().any(|law| holds(law.0, simple.0));
         let reversed = !own.is_empty() && own.iter().filter(limit).count() == own.len();
         let points = [&best.fitted.point, &equal.fitted.point];

@@ -64,6 +64,11 @@ impl Effect {
         })
     }
 
+    /// Whether the law may act as that of another effect in the whole recording.
+    pub fn becomes(&self, simpler: &Self) -> bool {
+        self.far_limits().any(|limit| limit == simpler)
+    }
+
     /// The simpler effects as which the law acts if its own frequency is far above the motion.
     pub fn far_limits(&self) -> impl Iterator<Item = &'static Self> {
         self.properties.iter().filter_map(|own| match own {
