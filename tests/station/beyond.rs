@@ -17,6 +17,15 @@ const UNREADABLE: [&str; 6] = [
 const LARGEST: [&str; 2] = ["1e12", "-1e12"];
 const TARGET: f64 = 1.5;
 
+/// Each reading in the place of each quantity.
+fn cases(
+    readings: &[&'static str],
+    quantities: [&'static str; 2],
+) -> Vec<(&'static str, &'static str)> {
+    let of = |&reading: &&'static str| quantities.map(|quantity| (reading, quantity));
+    readings.iter().flat_map(of).collect()
+}
+
 /// At full speed on its way to the target.
 fn moving(data: &std::path::Path) -> World {
     let mut world = World::commanded(config(data), true);
@@ -66,9 +75,8 @@ fn is_stopped(world: &World, before: usize, case: &str) -> (FaultKind, String) {
 
 #[test]
 fn a_motor_side_without_a_believable_reading_stops_the_robot_and_says_why() {
-    let quantities = ["motor_position", "t"];
-    let cases = UNREADABLE.iter().chain(&LARGEST);
-    for (reading, quantity) in cases.flat_map(|r| quantities.map(|q| (r, q))) {
+    let readings = [&UNREADABLE[..], &LARGEST].concat();
+    for (reading, quantity) in cases(&readings, ["motor_position", "t"]) {
         let case = format!("{quantity} {reading}");
         let data = tempfile::tempdir().expect("a folder");
         let mut world = moving(data.path());
@@ -90,10 +98,7 @@ fn a_motor_side_without_a_believable_reading_stops_the_robot_and_says_why() {
 
 #[test]
 fn one_reading_that_is_lost_among_good_ones_stops_nothing() {
-    for (reading, quantity) in UNREADABLE
-        .iter()
-        .flat_map(|r| ["motor_position", "t"].map(|q| (r, q)))
-    {
+    for (reading, quantity) in cases(&UNREADABLE, ["motor_position", "t"]) {
         let data = tempfile::tempdir().expect("a folder");
         let mut world = moving(data.path());
         says(&mut world, quantity, reading, 1);
@@ -107,10 +112,7 @@ fn one_reading_that_is_lost_among_good_ones_stops_nothing() {
 /// The second sensor is not needed for a move, and nothing is learned from what it cannot have measured.
 #[test]
 fn a_second_sensor_beyond_all_reason_neither_moves_nor_teaches() {
-    for (reading, quantity) in LARGEST
-        .iter()
-        .flat_map(|r| ["deformation", "link_position"].map(|q| (r, q)))
-    {
+    for (reading, quantity) in cases(&LARGEST, ["deformation", "link_position"]) {
         let data = tempfile::tempdir().expect("a folder");
         let mut world = moving(data.path());
         let believed: Option<ModeValue> = world.joint().mode;
