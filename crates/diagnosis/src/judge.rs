@@ -11,6 +11,7 @@ use super::split;
 use super::start::ringing;
 use nalgebra::DVector;
 use quell_model::{Model, StartComponent};
+use quell_signal::singular_values;
 use std::sync::Arc;
 
 /// Most steps of the fit of starts, clocks and frames of a recording kept apart. Three are usually enough;
@@ -142,11 +143,7 @@ impl Problem<'_> {
 
     /// Coefficients of the linear nuisances of one experiment, output by output.
     pub fn coefficients(&self, e: usize, rows: &DVector<f64>) -> Vec<f64> {
-        let columns = self.linear(e);
-        if columns.ncols() == 0 {
-            return Vec::new();
-        }
-        let solved = columns.svd(true, true).solve(rows, 1e-10);
-        solved.map_or_else(|_| Vec::new(), |c| c.iter().copied().collect())
+        let solved = singular_values(self.linear(e)).and_then(|own| own.solve(rows, 1e-10).ok());
+        solved.map_or_else(Vec::new, |coefficients| coefficients.data.into())
     }
 }

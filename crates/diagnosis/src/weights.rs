@@ -13,9 +13,11 @@ use std::f64::consts::TAU;
 /// A value for each experiment and output.
 type Each<T> = Vec<Vec<T>>;
 
-/// Sets level and colour of the noise and the weights from the residual at a point.
+/// Sets level and colour of the noise and the weights from the residual at a point; they stay where there is none.
 pub fn measure_noise(problem: &mut Problem, point: &Point) {
-    let (own, left) = measured(problem, point);
+    let Some((own, left)) = measured(problem, point) else {
+        return;
+    };
     let noise = with_input_noise(problem, point, &own);
     tracing::debug!(?noise, "noise");
     problem.whitening = weights(problem, (&own, &noise), &left);
@@ -25,7 +27,9 @@ pub fn measure_noise(problem: &mut Problem, point: &Point) {
 /// Sets noise and weights from a better model, if they differ from the present ones by more than chance: the
 /// rough part of a mismatch is taken for noise until the mismatch is explained. Returns whether they do.
 pub fn measured_again(problem: &mut Problem, point: &Point) -> bool {
-    let (found, left) = measured(problem, point);
+    let Some((found, left)) = measured(problem, point) else {
+        return false;
+    };
     let mut own = problem.sensor_noise.clone();
     let new = found.into_iter().flatten().zip(left.iter().flatten());
     for (own, (new, left)) in own.iter_mut().flatten().zip(new) {
@@ -61,8 +65,9 @@ fn with_input_noise(problem: &Problem, point: &Point, own: &[Vec<Whitening>]) ->
         .collect()
 }
 
-/// Noise of every output's sensor, and the standard deviation of its residual.
-fn measured(problem: &Problem, point: &Point) -> (Each<Whitening>, Each<f64>) {
+/// Noise of every output's sensor, and the standard deviation of its residual; `None` where a simulation diverged, or
+/// was skipped because the diagnosis is stopped.
+fn measured(problem: &Problem, point: &Point) -> Option<(Each<Whitening>, Each<f64>)> {
     // Only for a mode the fall of the response above its frequency is known.
     let rates = match problem.kind.mode {
         Some((f, xi)) => (TAU * point.keys[f], TAU * point.keys[f] * point.keys[xi]),
@@ -80,7 +85,9 @@ fn measured(problem: &Problem, point: &Point) -> (Each<Whitening>, Each<f64>) {
         let each = pairs.map(|(output, r)| (noise(experiment, output, r, rates), spread(r)));
         each.unzip()
     };
-    problem.experiments.iter().enumerate().map(of).unzip()
+    let (own, left): (_, Each<f64>) = problem.experiments.iter().enumerate().map(of).unzip();
+    let is_known = left.iter().flatten().all(|left| left.is_finite());
+    is_known.then_some((own, left))
 }
 
 /// The noise, raised for outputs whose residuals are further above it than that of the nearest output.

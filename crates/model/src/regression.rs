@@ -1,6 +1,7 @@
 //! Least squares of a reading on several causes and an offset.
 
 use nalgebra::{DMatrix, DVector, Dyn, SVD};
+use quell_signal::singular_values;
 
 /// Ratio of singular values below which causes vary together.
 const TOGETHER: f64 = 1e-9;
@@ -35,7 +36,7 @@ impl Regression {
             .map(|own| own / own.norm().max(f64::MIN_POSITIVE));
         let causes = DMatrix::from_columns(&scaled.collect::<Vec<_>>());
         Some(Self {
-            factors: causes.clone().svd(true, true),
+            factors: singular_values(causes.clone())?,
             causes,
             length,
         })
