@@ -92,7 +92,7 @@ fn force_over(
     let along = motor.iter().zip(&link).map(|(motor, link)| {
         let across = effect.1 == Place::Transmission;
         match coordinate {
-            Coordinate::Deformation => link[0] - motor[0],
+            Coordinate::Deformation | Coordinate::Displacement => link[0] - motor[0],
             Coordinate::Speed if across => link[1] - motor[1],
             Coordinate::Speed => link[1],
             _ => link[0],

@@ -18,6 +18,7 @@ const LEARNED: &[(&str, &[&str])] = &[
     ("learned_damping", &["damping"]),
     ("learned_friction", &["friction"]),
     ("learned_position_force", &["position"]),
+    ("learned_position_damping", &["damping"]),
     ("learned_drive", &["drive"]),
     ("learned_sensor", &["sensor"]),
     ("learned_frequency", &["pose"]),

@@ -227,7 +227,7 @@ impl Arm {
     pub fn range(&self, coordinate: Coordinate) -> (f64, f64) {
         let visited = &self.scales.visited;
         match coordinate {
-            Coordinate::Deformation => visited.deformation,
+            Coordinate::Deformation | Coordinate::Displacement => visited.deformation,
             Coordinate::Speed if self.scales.rigid => visited.motor_velocity,
             Coordinate::Speed => visited.deformation_rate,
             Coordinate::Position => self.scales.position,

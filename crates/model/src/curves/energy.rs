@@ -14,7 +14,7 @@ pub(super) fn dissipated(curve: &Curve) -> Option<Estimate> {
             let sign = curve.points.iter().map(|x| x.signum() / count as f64);
             DVector::from_iterator(count, sign)
         }
-        Slot::Damping => DVector::from_element(count, 1.0 / count as f64),
+        Slot::Damping | Slot::PositionDamping => DVector::from_element(count, 1.0 / count as f64),
         Slot::Hysteresis => {
             // By Masing's rule the loop consists of two branches, the first one enlarged twice: 8 int F dx - 4
             // A F(A).

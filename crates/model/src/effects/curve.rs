@@ -36,6 +36,7 @@ fn value(slot: Slot, law: &Law, at: &Motion, point: f64) -> Option<f64> {
             let force = |v: f64| law.force(at, point, v, &Memory::default());
             force(1.0) - force(0.0)
         }
+        (Slot::PositionDamping, Law::Force(law)) => law.force(at, point, 1.0, &Memory::default()),
         (Slot::StiffnessDrift, Law::Force(law)) => {
             law.force(&now, 1.0, 0.0, &Memory::default()) / at.stiffness
         }

@@ -1,7 +1,7 @@
 //! Hysteresis of any shape: elasto-plastic elements in parallel.
 
 use super::learned::{ordinate, parameters, split, start};
-use super::{Effect, Force, Law, Memory, Motion, Place, Property, Quantity, STATES, Scales, Slot};
+use super::{Effect, Force, Law, Memory, Motion, Place, Property, Quantity, STATES, Slot};
 
 /// Elements, and the ends of the range of their slip distances.
 const PARAMETERS: usize = STATES + 2;
@@ -98,9 +98,9 @@ impl Force for MaxwellSlip {
 pub const MAXWELL_SLIP: Effect = Effect {
     name: "maxwell_slip",
     title: "Maxwell slip",
-    places: &[Place::Transmission],
+    places: &[Place::Drive, Place::Transmission],
     physics: "Elements in parallel, each a spring that slips beyond a deflection r_i: the stop operators of Prandtl and \
-        Ishlinskii. The slip distances are fixed, each twice the one before, up to the largest deformation; the \
+        Ishlinskii. The slip distances are fixed, each twice the one before, up to the largest deformation, or at the drive up to a tenth of the travel; the \
         stiffness k_i of each is learned and not below 0, so that every loop takes energy away. Any hysteresis that \
         follows Masing's rules, whatever the speed, is such a sum. Source: Prandtl, ZAMM 8 (1928); Ishlinskii, \
         Izvestiya Akademii Nauk SSSR OTN 9 (1944); Al-Bender, Lampaert, Swevers, IEEE Trans. Automatic Control \
@@ -116,12 +116,12 @@ pub const MAXWELL_SLIP: Effect = Effect {
     ),
     properties: &[Property::Slot(Slot::Hysteresis)],
     law: |p| Law::Force(Box::new(MaxwellSlip::new(p))),
-    starts: |scales| vec![start::<PARAMETERS>(distances(scales))],
+    starts: |scales| {
+        let (from, to) = scales.visited_motor_position();
+        let (shortest, longest) = scales.visited_deformation();
+        // At the drive, what is elastic over more than a tenth of the travel is a force over the position.
+        [0.1 * (to - from), longest.max(-shortest)]
+            .map(|largest| start::<PARAMETERS>((largest / RANGE, largest)))
+            .to_vec()
+    },
 };
-
-/// Shortest and longest slip distance; beyond the largest deformation nothing slips.
-fn distances(scales: &Scales) -> (f64, f64) {
-    let (from, to) = scales.visited_deformation();
-    let largest = to.max(-from);
-    (largest / RANGE, largest)
-}

@@ -37,6 +37,7 @@ mod learned_drift;
 mod learned_drive;
 mod learned_frequency;
 mod learned_friction;
+mod learned_position_damping;
 mod learned_position_force;
 mod learned_sensor;
 mod learned_sensor_drift;
@@ -207,6 +208,7 @@ pub const EFFECTS: &[&Effect] = &[
 pub const LEARNED: &[&Effect] = &[
     &learned_friction::LEARNED_FRICTION,
     &learned_position_force::LEARNED_POSITION_FORCE,
+    &learned_position_damping::LEARNED_POSITION_DAMPING,
     &learned_drive::LEARNED_DRIVE,
     &learned_spring::LEARNED_SPRING,
     &learned_damping::LEARNED_DAMPING,

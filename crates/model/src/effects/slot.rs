@@ -17,6 +17,8 @@ pub enum Coordinate {
     Reading,
     /// Time.
     Time,
+    /// Displacement of the effect's place since it rested; at the transmission the deformation.
+    Displacement,
 }
 
 /// Quantity and coordinate of a static law. Laws of one slot can be drawn over each other as curves.
@@ -30,6 +32,8 @@ pub enum Slot {
     Friction,
     /// Force over the position.
     PositionForce,
+    /// Damping coefficient over the position.
+    PositionDamping,
     /// Addition of the drive to its input, over the input.
     Drive,
     /// Addition of the sensor to its reading, over the reading.
@@ -40,7 +44,7 @@ pub enum Slot {
     StiffnessDrift,
     /// Addition of the sensor to a reading of 0, over time.
     SensorDrift,
-    /// Force over the deformation on the first loading from rest. A hysteresis has a memory: if it follows
+    /// Force over the displacement on the first loading from rest. A hysteresis has a memory: if it follows
     /// Masing's rules, this curve also determines it after a reversal.
     Hysteresis,
 }
@@ -74,6 +78,13 @@ const SLOTS: &[(Slot, &str, Coordinate, &str, Quantity)] = &[
         Coordinate::Position,
         "force",
         Quantity::FORCE,
+    ),
+    (
+        Slot::PositionDamping,
+        "damping over position",
+        Coordinate::Position,
+        "damping coefficient",
+        Quantity::new(1, -1, 1),
     ),
     (
         Slot::Drive,
@@ -113,7 +124,7 @@ const SLOTS: &[(Slot, &str, Coordinate, &str, Quantity)] = &[
     (
         Slot::Hysteresis,
         "hysteresis",
-        Coordinate::Deformation,
+        Coordinate::Displacement,
         "hysteresis force",
         Quantity::FORCE,
     ),
@@ -151,13 +162,16 @@ impl Coordinate {
             Self::Input => "input",
             Self::Reading => "reading",
             Self::Time => "time",
+            Self::Displacement => "displacement",
         }
     }
 
     /// Its quantity.
     pub fn quantity(self) -> Quantity {
         match self {
-            Self::Deformation | Self::Position | Self::Reading => Quantity::POSITION,
+            Self::Deformation | Self::Displacement | Self::Position | Self::Reading => {
+                Quantity::POSITION
+            }
             Self::Speed => Quantity::VELOCITY,
             Self::Input => Quantity::INPUT,
             Self::Time => Quantity::TIME,

@@ -72,6 +72,12 @@ impl Spline {
             .map_or_else(|| self.value(x), |end| end.max(self.value(x)))
     }
 
+    /// The value; beyond the knots that of the last one.
+    #[inline]
+    pub fn nearest(&self, x: f64) -> f64 {
+        self.end(x).unwrap_or_else(|| self.value(x))
+    }
+
     /// The value of the last knot for a place beyond the knots.
     #[inline]
     fn end(&self, x: f64) -> Option<f64> {
