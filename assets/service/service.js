@@ -146,7 +146,7 @@ function showTrouble(now) {
   }
   if (now.watchdog === "silent") wrong.push("No measurements come: adaptation waits.");
   if (now.watchdog === "stopped") wrong.push("No measurements come.");
-  for (const sensor of now.sensors) if (sensor.fault) wrong.push(`${sensor.name.replaceAll("_", " ")}: ${sensor.fault}; its data are refused.`);
+  for (const sensor of now.sensors) if (sensor.fault) wrong.push(`${sensor.name.replaceAll("_", " ")}: ${sensor.fault === "not_finite" ? "it sends no number" : `${sensor.fault}; its data are refused`}.`);
   announce("trouble", wrong);
   const advice = [];
   if (!state.tick.real_time || !state.tick.memory_locked) {
@@ -188,7 +188,8 @@ function showFigures(now) {
 function showHealth(now) {
   const { link } = state;
   const counted = ["lost", "late", "doubled", "reordered", "foreign", "malformed", "unsigned"].filter((what) => link[what]).map((what) => `${link[what]} ${what}`);
-  const sensors = now.sensors.map((sensor) => `${sensor.name.replaceAll("_", " ")} ${number(sensor.rate_hz)} Hz`);
+  const refused = (sensor) => sensor.refused.reduce((sum, [, count]) => sum + count, 0);
+  const sensors = now.sensors.map((sensor) => `${sensor.name.replaceAll("_", " ")} ${number(sensor.rate_hz)} Hz${refused(sensor) ? `, ${refused(sensor)} readings refused` : ""}`);
   const words = [`link: ${counted.join(", ") || "nothing lost"}`, sensors.join(", "), `${state.tick.skipped} ticks skipped`];
   $("health").textContent = words.filter(Boolean).join("; ");
 }

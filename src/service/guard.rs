@@ -23,7 +23,7 @@ const MOVING: f64 = 0.05;
 /// Speed of a reading, relative to the joint's limit, that is a jump, not a motion: a link that swings against
 /// the motion is at most twice as fast as the motor side.
 const JUMP: f64 = 4.0;
-/// Seconds without a fault after which a sensor is trusted again.
+/// Seconds without a fault after which a sensor is trusted again, and without a number after which that is told.
 const RECOVERY: f64 = 0.5;
 /// Weight of a new gap in the mean of the gaps.
 const RATE_WEIGHT: f64 = 0.02;
@@ -37,7 +37,7 @@ pub enum Fault {
     Saturated,
     /// The reading has changed by more than the joint can have moved, and than it was commanded to.
     Jump,
-    /// The reading is not finite.
+    /// The reading is no number. It is a sample that is missing: the next one is believed.
     NotFinite,
 }
 
@@ -69,6 +69,8 @@ pub struct SensorReport {
     pub jumped: bool,
     /// When the last sample came, s.
     pub heard: f64,
+    /// When the last sample came that was a number, s.
+    pub numbered: f64,
     /// Samples a second, over the last 50 or so, Hz.
     pub rate: f64,
 }
@@ -77,6 +79,15 @@ pub struct SensorReport {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GuardReport {
     sensors: [SensorReport; QUANTITIES.len()],
+}
+
+impl SensorReport {
+    /// The fault to be told at `now` (s): some readings without a number are none.
+    pub fn told_fault(&self, now: f64) -> Option<Fault> {
+        let numbers = now - self.numbered < RECOVERY;
+        self.fault
+            .filter(|&fault| fault != Fault::NotFinite || !numbers)
+    }
 }
 
 impl GuardReport {
@@ -101,9 +112,18 @@ impl GuardReport {
         Some(&self.sensors[index])
     }
 
-    /// Whether any sensor is at fault.
+    /// Whether what any sensor says cannot be. A sensor that says nothing, having no number, is not at fault.
     pub fn is_at_fault(&self) -> bool {
-        self.sensors.iter().any(|sensor| sensor.fault.is_some())
+        let says = |fault: Fault| fault != Fault::NotFinite;
+        self.sensors
+            .iter()
+            .any(|sensor| sensor.fault.is_some_and(says))
+    }
+
+    /// Whether the sensor of a quantity sends, and its last reading is no number.
+    pub fn lacks_number(&self, quantity: Quantity) -> Option<&SensorReport> {
+        let sensor = self.of(quantity)?;
+        (sensor.fault == Some(Fault::NotFinite)).then_some(sensor)
     }
 }
 
@@ -170,15 +190,17 @@ impl Guard {
             sensor.samples += 1;
             sensor.heard = measured.received;
             sensor.refused[Fault::NotFinite as usize] += 1;
-            (sensor.fault, sensor.jumped) = (Some(Fault::NotFinite), true);
-            self.faulty_until[index] = measured.received + RECOVERY;
+            sensor.jumped = true;
+            if measured.received >= self.faulty_until[index] {
+                sensor.fault = Some(Fault::NotFinite);
+            }
             return false;
         }
         let last = self.last[index].replace(*measured);
         let fault = self.fault(index, measured, last.as_ref(), motion);
         let sensor = &mut self.report.sensors[index];
         sensor.samples += 1;
-        sensor.heard = measured.received;
+        (sensor.heard, sensor.numbered) = (measured.received, measured.received);
         if let Some(last) = &last {
             let gap = elapsed(measured, last).max(f64::MIN_POSITIVE);
             let gaps = match sensor.rate {

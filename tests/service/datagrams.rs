@@ -132,8 +132,11 @@ fn a_hundred_thousand_datagrams_are_each_counted() {
     let counted = bench.drain();
     assert_eq!(counted.received, 100_001);
     assert_eq!((counted.overflowed, counted.foreign), (0, 0));
-    let finite = |m: &Measured| m.stamp.is_finite() && m.value.iter().all(|v| v.abs() <= 1e12);
-    assert!(bench.taken.iter().all(finite));
+    // A reading that is no number is missing.
+    let usual = |value: &f64| value.is_nan() || value.abs() <= 1e12;
+    let fine = |m: &Measured| m.stamp.is_finite() && m.value.iter().all(usual);
+    assert!(bench.taken.iter().all(fine));
+    assert!(bench.taken.iter().any(|m| m.value[0].is_nan()));
     // Each is malformed, of another joint, out of order, twice there, or taken: with one or two values.
     let refused = counted.malformed + counted.unknown_joint + counted.doubled + counted.reordered;
     let taken = bench.taken.len() as u64;

@@ -82,8 +82,6 @@ fn the_end_of_the_scale_a_jump_and_no_number_are_refused() {
         (Quantity::MotorPosition, 0.5, 0.5085, Fault::Jump),
         (Quantity::LinkPosition, 0.5, 0.0, Fault::Jump),
         (Quantity::TipPosition, 0.5, 0.5085, Fault::Jump),
-        (Quantity::LinkPosition, 0.5, f64::NAN, Fault::NotFinite),
-        (Quantity::TipPosition, 0.5, f64::INFINITY, Fault::NotFinite),
     ] {
         let mut bench = Bench::new();
         assert!(bench.says(quantity, good, STILL));
@@ -92,6 +90,27 @@ fn the_end_of_the_scale_a_jump_and_no_number_are_refused() {
         assert!(!bench.says(quantity, good, STILL), "not believed at once");
         let taken = (0..1200).filter(|_| bench.says(quantity, good, STILL));
         assert!((690..=703).contains(&taken.count()), "{quantity:?} {bad}");
+    }
+    // No number is a sample that is missing: the next one is believed.
+    for (quantity, bad) in [
+        (Quantity::LinkPosition, f64::NAN),
+        (Quantity::MotorPosition, f64::NEG_INFINITY),
+        (Quantity::TipPosition, f64::INFINITY),
+    ] {
+        let mut bench = Bench::new();
+        assert!(bench.says(quantity, 0.5, STILL));
+        assert!(!bench.says(quantity, bad, STILL), "{quantity:?} {bad}");
+        let report = bench.guard.report();
+        assert_eq!(report.fault_of(quantity), Some(Fault::NotFinite));
+        assert!(!report.is_at_fault());
+        assert!(bench.says(quantity, 0.5, STILL));
+        assert_eq!(bench.guard.report().fault_of(quantity), None);
+        assert_eq!(bench.refused(Fault::NotFinite), 1);
+        // It does not excuse a sensor at fault.
+        assert!(!bench.says(quantity, 9.0, STILL));
+        assert!(!bench.says(quantity, bad, STILL));
+        assert_eq!(bench.guard.report().fault_of(quantity), Some(Fault::Jump));
+        assert!(!bench.says(quantity, 9.0, STILL));
     }
     let mut bench = Bench::new();
     let stepped = CommandedMotion {

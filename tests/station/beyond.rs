@@ -1,18 +1,24 @@
 //! Readings that are no position of any robot: what is no number in JSON, and what no arithmetic bears.
 
-use quell::service::contract::{FaultKind, ModeValue, Phase};
+use quell::service::contract::{FaultKind, ModeValue, Phase, Request};
 
+use super::modes::{go, world as arm_world};
+use super::plant::PlantMode;
 use super::world::{STANDSTILL, World, config, first_beyond_limits};
 
-/// Not JSON, or beyond what a datagram may say: nothing of the datagram is taken.
-const UNREADABLE: [&str; 6] = [
+/// No number, as various languages write it, or beyond what a datagram may say: no reading.
+const NO_READING: [&str; 8] = [
     "NaN",
+    "nan",
+    "-nan",
     "-Infinity",
+    "inf",
     "1e999",
     "1.7976931348623157e308",
     "-1e13",
-    "null",
 ];
+/// What is not said.
+const ABSENT: &str = "null";
 /// The largest that a datagram may say.
 const LARGEST: [&str; 2] = ["1e12", "-1e12"];
 const TARGET: f64 = 1.5;
@@ -75,7 +81,7 @@ fn is_stopped(world: &World, before: usize, case: &str) -> (FaultKind, String) {
 
 #[test]
 fn a_motor_side_without_a_believable_reading_stops_the_robot_and_says_why() {
-    let readings = [&UNREADABLE[..], &LARGEST].concat();
+    let readings = [&NO_READING[..], &[ABSENT], &LARGEST].concat();
     for (reading, quantity) in cases(&readings, ["motor_position", "t"]) {
         let case = format!("{quantity} {reading}");
         let data = tempfile::tempdir().expect("a folder");
@@ -85,10 +91,20 @@ fn a_motor_side_without_a_believable_reading_stops_the_robot_and_says_why() {
         let (fault, reason) = is_stopped(&world, before, &case);
         let malformed = world.snapshot().link.malformed;
         match (malformed, fault) {
-            (0, FaultKind::Sensor) => assert!(reason.ends_with("(jump)"), "{case}: {reason}"),
+            (0, FaultKind::Sensor) => {
+                let why = if LARGEST.contains(&reading) {
+                    "jump"
+                } else {
+                    "not finite"
+                };
+                assert!(reason.ends_with(&format!("({why})")), "{case}: {reason}");
+                let joint = world.snapshot().enable.joint.clone();
+                assert_eq!(joint.as_deref(), Some("joint_1"), "{case}");
+            }
             // Stamps that stand still are no time that goes by.
             (0, FaultKind::LinkLost) => assert_eq!(quantity, "t"),
             (_, FaultKind::LinkLost) => {
+                assert!(quantity == "t" || reading == ABSENT, "{case}");
                 assert!(reason.ends_with("were malformed"), "{case}: {reason}");
             }
             other => panic!("{case}: {other:?} {reason}"),
@@ -98,7 +114,8 @@ fn a_motor_side_without_a_believable_reading_stops_the_robot_and_says_why() {
 
 #[test]
 fn one_reading_that_is_lost_among_good_ones_stops_nothing() {
-    for (reading, quantity) in cases(&UNREADABLE, ["motor_position", "t"]) {
+    let readings = [&NO_READING[..], &[ABSENT]].concat();
+    for (reading, quantity) in cases(&readings, ["motor_position", "t"]) {
         let data = tempfile::tempdir().expect("a folder");
         let mut world = moving(data.path());
         says(&mut world, quantity, reading, 1);
@@ -109,10 +126,12 @@ fn one_reading_that_is_lost_among_good_ones_stops_nothing() {
     }
 }
 
-/// The second sensor is not needed for a move, and nothing is learned from what it cannot have measured.
+/// The second sensor is not needed for a move, and nothing is learned from what it cannot have measured. Whatever it says,
+/// the reading of the encoder in the same datagram is taken.
 #[test]
 fn a_second_sensor_beyond_all_reason_neither_moves_nor_teaches() {
-    for (reading, quantity) in cases(&LARGEST, ["deformation", "link_position"]) {
+    let readings = [&NO_READING[..], &[ABSENT], &LARGEST].concat();
+    for (reading, quantity) in cases(&readings, ["deformation", "link_position"]) {
         let data = tempfile::tempdir().expect("a folder");
         let mut world = moving(data.path());
         let believed: Option<ModeValue> = world.joint().mode;
@@ -127,6 +146,17 @@ fn a_second_sensor_beyond_all_reason_neither_moves_nor_teaches() {
             (believed, 0),
             "{case}"
         );
+        assert_eq!(world.snapshot().link.malformed, 0, "{case}");
+        let sensor = joint.sensors.iter().find(|sensor| sensor.name == quantity);
+        if NO_READING.contains(&reading) {
+            let sensor = sensor.expect("its samples are counted");
+            assert_eq!(sensor.fault, Some("not_finite"), "{case}");
+            // All that had come when the state was told.
+            let [("not_finite", refused)] = sensor.refused[..] else {
+                panic!("{case}: {sensor:?}");
+            };
+            assert!(refused == sensor.samples && refused > 500, "{case}");
+        }
         // The next move is as if nothing had been.
         world.go(0.0);
         world.steps(600);
@@ -159,4 +189,45 @@ fn a_joint_that_says_that_it_stands_where_no_joint_is_gets_no_move() {
                 .all(|(_, sent)| sent.position == reading)
         );
     }
+}
+
+/// A tracker that sees its marker every third time says so: what it does see teaches.
+#[test]
+fn a_second_sensor_with_gaps_teaches_what_it_sees() {
+    let data = tempfile::tempdir().expect("a folder");
+    let arm = [PlantMode::new(8.0, 0.03, 1.0)];
+    let mut world = arm_world(data.path(), 10.0, &arm);
+    world.robot.sees_every = 3;
+    for target in [0.8, 0.0] {
+        go(&mut world, target, None);
+    }
+    let joint = world.joint();
+    let learned = joint.mode.expect("a mode").frequency_hz;
+    assert!((learned / 8.0 - 1.0).abs() < 0.01, "{learned} Hz");
+    let sensor = joint.sensors.iter().find(|one| one.name == "deformation");
+    let sensor = sensor.expect("a sensor");
+    let (reason, without) = sensor.refused[0];
+    assert!(
+        reason == "not_finite" && 2 * without > sensor.samples && sensor.fault.is_none(),
+        "{sensor:?}"
+    );
+    assert_eq!(world.snapshot().enable.faults, 0);
+    assert_eq!(world.snapshot().link.malformed, 0);
+}
+
+/// An encoder that has never sent a number is what the refusal names.
+#[test]
+fn a_joint_whose_encoder_sends_no_number_is_not_enabled() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = World::start(config(data.path()), 1e9, 0.0, true);
+    says(&mut world, "motor_position", "NaN", 2 * STANDSTILL);
+    world.ask(Request::Enable);
+    let answered = world.step();
+    let refused = answered[0].answer.clone().expect_err("nothing is known");
+    assert!(refused.to_string().contains("not finite"), "{refused}");
+    assert!(world.sent().is_empty());
+    // Its first numbers are believed.
+    world.steps(2 * STANDSTILL);
+    world.enable();
+    assert!(world.step().iter().all(|one| one.answer.is_ok()));
 }

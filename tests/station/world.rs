@@ -77,6 +77,9 @@ pub struct Robot {
     /// One that rings, and says so.
     pub arm: Option<Plant>,
     deformation: Option<f64>,
+    /// The sensor of its deformation has a number every so many samples; 0 is always.
+    pub sees_every: usize,
+    spoken: usize,
     /// Time of the one that rings, s.
     pub time: f64,
     pub position: f64,
@@ -289,10 +292,15 @@ impl World {
             return;
         }
         let now = self.clock.now();
-        let deformation = self
+        self.robot.spoken += 1;
+        let sees = self
             .robot
-            .deformation
-            .map(|value| format!(",\"deformation\":{value:e}"));
+            .spoken
+            .is_multiple_of(self.robot.sees_every.max(1));
+        let deformation = self.robot.deformation.map(|value| match sees {
+            true => format!(",\"deformation\":{value:e}"),
+            false => ",\"deformation\":NaN".into(),
+        });
         self.robot.held.push(format!(
             "{{\"t\":{:.6},\"joint\":\"joint_1\",\"motor_position\":{:e}{}}}",
             now + self.robot.ahead,

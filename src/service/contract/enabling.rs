@@ -26,7 +26,7 @@ pub enum FaultKind {
     LinkLost,
     /// A motor side does not follow its command.
     FollowingError,
-    /// The sensor of a motor side says what cannot be.
+    /// The sensor of a motor side says what cannot be, or sends no numbers for as long as it may be silent.
     Sensor,
     /// Ticks were missed for so long that the robot has stood meanwhile.
     TickOverrun,

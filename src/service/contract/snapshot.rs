@@ -198,7 +198,8 @@ pub struct SensorView {
     pub age_s: f64,
     /// Samples refused since the start, by reason; reasons that never occurred are left out.
     pub refused: Vec<(&'static str, u64)>,
-    /// The fault that it has now: `stuck`, `saturated`, `jump`.
+    /// The fault that it has now: `stuck`, `saturated`, `jump`; `not_finite` where it has sent no number for half a
+    /// second. A single one counts as missing.
     pub fault: Option<&'static str>,
 }
 

@@ -186,6 +186,7 @@ impl Batch {
             measured.joint == row.joint
                 && measured.quantity == Quantity::MotorPosition
                 && measured.received <= row.time
+                && measured.value[0].is_finite()
         });
         Frame {
             time_s: row.time,

@@ -156,22 +156,26 @@ impl Engine {
     fn check_ready(&self, index: usize) -> Result<(), ServiceError> {
         let joint = &self.joints[index];
         let name = || joint.config.name.clone();
+        let not_ready = |reason| ServiceError::NotReady {
+            joint: name(),
+            reason,
+        };
+        let guard = joint.report.as_ref().map(|report| &report.guard);
+        let fault = guard.and_then(|guard| guard.fault_of(Quantity::MotorPosition));
+        let heard = joint.began && joint.hearing == Hearing::Heard;
+        // While others come, a reading that is no number is missing, and no more.
+        if let Some(fault) = fault.filter(|&fault| heard != (fault == Fault::NotFinite)) {
+            return Err(not_ready(at_fault("its motor side", fault)));
+        }
         if !joint.began {
             return Err(ServiceError::NoMeasurement { joint: name() });
         }
         if joint.hearing != Hearing::Heard {
             return Err(ServiceError::NotHeard { joint: name() });
         }
-        let not_ready = |reason| ServiceError::NotReady {
-            joint: name(),
-            reason,
-        };
         let Some(report) = &joint.report else {
             return Err(not_ready("the tick has not said anything of it yet".into()));
         };
-        if let Some(fault) = report.guard.fault_of(Quantity::MotorPosition) {
-            return Err(not_ready(at_fault("its motor side", fault)));
-        }
         if report.following_error > joint.config.following_limit {
             return Err(not_ready(following(report.following_error, joint)));
         }

@@ -163,7 +163,7 @@ fn sensors(joint: &Joint, now: f64) -> Vec<SensorView> {
             refused: refused
                 .map(|(fault, count)| (fault.name(), count))
                 .collect(),
-            fault: sensor.fault.map(Fault::name),
+            fault: sensor.told_fault(now).map(Fault::name),
         }
     };
     report.guard.sensors().map(view).collect()

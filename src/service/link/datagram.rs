@@ -11,7 +11,9 @@ use crate::service::contract::Quantity;
 pub const LONGEST: usize = 2048;
 /// The largest magnitude of a value: larger than any joint position, stamp or length of a robot, and its square
 /// is finite.
-pub(super) const LARGEST: f64 = 1e12;
+const LARGEST: f64 = 1e12;
+/// A number of JSON above [`LARGEST`].
+const NO_READING: &[u8] = b"9e99";
 
 /// Robot to service: `{"t": 12.345, "joint": "joint_1", "motor_position": 0.1, "link_position": 0.1}`.
 ///
@@ -38,7 +40,10 @@ pub struct FromRobot<'a> {
 }
 
 impl<'a> FromRobot<'a> {
-    /// Reads a datagram; `None` where it is malformed, or contains an impossible value.
+    /// Reads a datagram; `None` where it is malformed: its stamp is no number within 1e12, or there is no reading.
+    ///
+    /// A reading that is no number, as `NaN`, `nan`, `-Infinity` or `1e999`, is not JSON; it is read for all that, so
+    /// that a sensor without a reading does not take those of the others with it.
     ///
     /// # Example
     /// ```
@@ -53,15 +58,25 @@ impl<'a> FromRobot<'a> {
         if bytes.trim_ascii_start().starts_with(b"[") {
             return None;
         }
-        let datagram: Self = serde_json::from_slice(bytes).ok()?;
-        let usual = |value: &f64| value.abs() <= LARGEST;
-        let mut quantities = datagram.quantities().peekable();
-        let something = quantities.peek().is_some();
-        let all = quantities.all(|(_, value)| value.iter().all(usual));
-        (something && all && usual(&datagram.t)).then_some(datagram)
+        let datagram: Self = match serde_json::from_slice(bytes) {
+            Ok(datagram) => datagram,
+            Err(_) => Self::with_what_is_no_number(bytes)?,
+        };
+        let something = datagram.quantities().next().is_some();
+        (something && is_usual(datagram.t)).then_some(datagram)
     }
 
-    /// Its values; a scalar is the first component.
+    /// Reads a datagram in which numbers are not finite.
+    fn with_what_is_no_number(bytes: &[u8]) -> Option<Self> {
+        let json = numbers_finite(bytes)?;
+        let datagram: FromRobot<'_> = serde_json::from_slice(&json).ok()?;
+        Some(Self {
+            joint: datagram.joint.into_owned().into(),
+            ..datagram
+        })
+    }
+
+    /// Its values; a scalar is the first component. A component that is not finite, or beyond 1e12, is NaN.
     pub fn quantities(&self) -> impl Iterator<Item = (Quantity, [f64; 3])> + use<'a> {
         let scalar = |value: Option<f64>| value.map(|value| [value, 0.0, 0.0]);
         [
@@ -72,8 +87,58 @@ impl<'a> FromRobot<'a> {
             (Quantity::TipAcceleration, self.tip_acceleration),
         ]
         .into_iter()
-        .filter_map(|(quantity, value)| Some((quantity, value?)))
+        .filter_map(|(quantity, value)| Some((quantity, value?.map(usual))))
     }
+}
+
+/// The value; NaN where it is impossible.
+pub(super) fn usual(value: f64) -> f64 {
+    if is_usual(value) { value } else { f64::NAN }
+}
+
+fn is_usual(value: f64) -> bool {
+    value.abs() <= LARGEST
+}
+
+/// JSON in which [`NO_READING`] stands for each number that is not finite; `None` where there is none.
+fn numbers_finite(bytes: &[u8]) -> Option<Vec<u8>> {
+    let mut json = Vec::with_capacity(bytes.len() + 16);
+    let (mut rest, mut found) = (bytes, false);
+    while let Some(&first) = rest.first() {
+        let (length, is_value) = match first {
+            b'"' => (text_length(rest), false),
+            _ if ends_value(first) => (1, false),
+            _ => (length_until(rest, ends_value), true),
+        };
+        let (token, after) = rest.split_at(length);
+        let value = std::str::from_utf8(token).ok().filter(|_| is_value);
+        let number = value.and_then(|value| value.parse::<f64>().ok());
+        let no_reading = number.is_some_and(|number| !number.is_finite());
+        json.extend_from_slice(if no_reading { NO_READING } else { token });
+        found |= no_reading;
+        rest = after;
+    }
+    found.then_some(json)
+}
+
+/// Bytes of the text that begins with a quotation mark here.
+fn text_length(bytes: &[u8]) -> usize {
+    let mut escaped = false;
+    let end = bytes.iter().skip(1).position(|&byte| {
+        let ends = byte == b'"' && !escaped;
+        escaped = byte == b'\\' && !escaped;
+        ends
+    });
+    end.map_or(bytes.len(), |end| end + 2)
+}
+
+fn length_until(bytes: &[u8], ends: impl Fn(u8) -> bool) -> usize {
+    let end = bytes.iter().position(|&byte| ends(byte));
+    end.unwrap_or(bytes.len())
+}
+
+fn ends_value(byte: u8) -> bool {
+    byte.is_ascii_whitespace() || b"\"{}[],:".contains(&byte)
 }
 
 /// Service to robot, each tick: `{"seq": 7, "t": 12.348, "joint": "joint_1", "position": .., "velocity": ..,

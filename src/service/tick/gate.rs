@@ -13,7 +13,7 @@ pub enum Cause {
     LinkLost,
     /// Following error of the motor side beyond its lag, rad.
     Following(f64),
-    /// The sensor of the motor side gives impossible values.
+    /// The sensor of the motor side gives impossible values, or no numbers for as long as it may be silent.
     Sensor(Fault),
     /// Nothing was sent to a moving joint for this time, s.
     Overrun(f64),

@@ -61,6 +61,10 @@ impl Hearing {
         if measured.quantity != Quantity::MotorPosition {
             return;
         }
+        // A sample without a number is missing.
+        if !measured.value[0].is_finite() {
+            return;
+        }
         // Only the motor side counts: without it the joint's motion is unknown, whatever else is measured.
         self.last = measured.received;
         if measured.refused {

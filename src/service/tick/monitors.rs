@@ -3,6 +3,7 @@
 use super::gate::{Cause, Trip};
 use super::rings::ORDERS;
 use super::{Event, JointTick, Tick};
+use crate::service::guard::Fault;
 
 impl Tick {
     /// Checks the reception of a joint. Only if all received data were taken, as they are not after a long
@@ -21,9 +22,15 @@ impl Tick {
         }
     }
 
-    /// The fault of a silent joint. If another joint was measured in the last half of the timeout, the link is
-    /// not at fault.
+    /// The fault of a silent joint. If its motor side sent what is no number in the last half of the timeout, that
+    /// sensor is at fault; if another joint was measured then, the link is not.
     pub(super) fn silent(&self, index: usize, now: f64) -> Trip {
+        if self.joints[index].sends_no_number(now) {
+            return Trip {
+                joint: Some(index),
+                cause: Cause::Sensor(Fault::NotFinite),
+            };
+        }
         let heard = |joint: &JointTick| {
             let [silence, timeout] = joint.silence(now);
             silence < 0.5 * timeout

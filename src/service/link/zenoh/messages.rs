@@ -1,7 +1,7 @@
 //! The ROS 2 messages of the link: names, type hashes, CDR bodies.
 
 use crate::recording::Decoder;
-use crate::service::link::datagram::LARGEST;
+use crate::service::link::datagram::usual;
 
 const SECOND: i64 = 1_000_000_000;
 /// Most points and names of a message; a larger one is no planned trajectory.
@@ -41,7 +41,7 @@ pub(super) const FLOAT64_MULTI_ARRAY: MessageType = MessageType {
 pub(super) struct JointState<'a> {
     /// Stamp, ns since 1970; 0 where the sender does not set it.
     pub stamp: i64,
-    /// Names and positions, rad.
+    /// Names and positions, rad; NaN where there is no reading.
     pub positions: Vec<(&'a str, f64)>,
 }
 
@@ -50,11 +50,11 @@ pub(super) struct JointState<'a> {
 pub(super) struct Imu {
     /// Stamp, ns since 1970; 0 where the sender does not set it.
     pub stamp: i64,
-    /// Linear acceleration, m/s^2.
+    /// Linear acceleration, m/s^2; NaN where there is no reading.
     pub acceleration: [f64; 3],
 }
 
-/// Reads `sensor_msgs/msg/JointState`; `None` where the bytes are malformed, or contain an impossible value. A
+/// Reads `sensor_msgs/msg/JointState`; `None` where the bytes are malformed. A
 /// message without positions is valid and empty.
 pub(super) fn joint_state(bytes: &[u8]) -> Option<JointState<'_>> {
     let mut from = Decoder::new(bytes).ok()?;
@@ -62,10 +62,12 @@ pub(super) fn joint_state(bytes: &[u8]) -> Option<JointState<'_>> {
     let names = strings(&mut from)?;
     let positions = numbers(&mut from)?;
     let fits = positions.is_empty() || positions.len() == names.len();
-    let usual = positions.iter().all(|position| is_usual(*position));
-    (fits && usual).then(|| JointState {
+    fits.then(|| JointState {
         stamp,
-        positions: names.into_iter().zip(positions).collect(),
+        positions: names
+            .into_iter()
+            .zip(positions.into_iter().map(usual))
+            .collect(),
     })
 }
 
@@ -83,10 +85,9 @@ pub(super) fn imu(bytes: &[u8]) -> Option<Imu> {
         *value = number(&mut from)?;
     }
     let measured = number(&mut from)? != -1.0;
-    let usual = acceleration.iter().all(|value| is_usual(*value));
-    (measured && usual).then_some(Imu {
+    measured.then(|| Imu {
         stamp,
-        acceleration,
+        acceleration: acceleration.map(usual),
     })
 }
 
@@ -140,10 +141,6 @@ fn strings<'a>(from: &mut Decoder<'a>) -> Option<Vec<&'a str>> {
     (0..length(from)?).map(|_| from.string().ok()).collect()
 }
 
-fn is_usual(value: f64) -> bool {
-    value.abs() <= LARGEST
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -177,6 +174,21 @@ mod tests {
             targets,
             Some(vec![("hip".into(), 0.3), ("knee".into(), -0.4)])
         );
+    }
+
+    #[test]
+    fn a_joint_without_a_reading_leaves_those_of_the_others() {
+        let mut out = Encoder::new();
+        out.i32(1);
+        out.u32(5);
+        out.string("base");
+        out.u32(2);
+        out.string("hip");
+        out.string("knee");
+        out.f64s(&[f64::INFINITY, -0.4]);
+        let read = joint_state(out.bytes()).expect("a message");
+        assert_eq!(read.positions[1], ("knee", -0.4));
+        assert!(read.positions[0].1.is_nan());
     }
 
     #[test]

@@ -5,6 +5,7 @@ use crate::controller::Controller;
 use crate::estimators::Sample;
 use crate::service::contract::{Measured, Quantity};
 use crate::service::following::FOLLOWED;
+use crate::service::guard::Fault;
 use crate::service::ringing::rings_for;
 use crate::service::tick::gate::Cause;
 use crate::service::tick::hearing::Change;
@@ -87,10 +88,12 @@ impl JointTick {
         self.hearing.resume();
     }
 
-    /// The fault that forbids moves, except silence, which [`look`](Self::look) reports.
+    /// The fault that forbids moves, except silence, which [`look`](Self::look) reports. A reading that is no number
+    /// is silence.
     pub fn fault(&self) -> Option<Cause> {
         self.controller.as_ref()?;
         let sensor = self.guard.report().fault_of(Quantity::MotorPosition);
+        let sensor = sensor.filter(|&fault| fault != Fault::NotFinite);
         let following = || self.following.excess().map(Cause::Following);
         sensor.map(Cause::Sensor).or_else(following)
     }
@@ -106,6 +109,12 @@ impl JointTick {
     pub fn is_displaced(&self, now: f64) -> bool {
         let rests = self.settled.is_some_and(|since| now - since > FOLLOWED);
         rests && self.hearing.is_displaced(self.sent.position)
+    }
+
+    /// Whether its motor side sends at `now` (s), and what it sends is no number.
+    pub fn sends_no_number(&self, now: f64) -> bool {
+        let sensor = self.guard.report().lacks_number(Quantity::MotorPosition);
+        sensor.is_some_and(|sensor| now - sensor.heard < 0.5 * self.hearing.timeout())
     }
 
     /// Time since the last measurement, s, and its largest allowed value.
