@@ -8,12 +8,13 @@ const BARS = 10; // moves that are shown
 export const whole = (moves, joint) => moves.filter((move) => move.joint === joint && !move.interrupted);
 
 /**
- * The share of the vibration without shaping that a move has left, percent, and words on how well it is known. What it would have
- * been without shaping is an estimate: two standard deviations more or less by the modes, and as if the motor side had followed
- * exactly. Where it may have been none there is no share.
+ * The share of the vibration after the end without shaping that a move has left there, percent, and words on how well it is known. What
+ * it would have been without shaping is an estimate: two standard deviations more or less by the modes, and as if the motor side had
+ * followed exactly. Where it may have been none there is no share. The vibration on the way is another figure: after a long cruise it is
+ * mostly larger than what is left.
  */
 export function share(move) {
-  const { vibration_rad: left, unshaped_vibration_rad: without, unshaped_std_rad: std } = move;
+  const { residual_rad: left, unshaped_rad: without, unshaped_std_rad: std } = move;
   const most = without - 2 * (std ?? 0);
   if (left === null || !(most > 0)) return { percent: "–", note: "not known: its modes are not known well enough" };
   if (left === 0) return { percent: "0", note: "below the noise of the sensor" };
@@ -24,10 +25,10 @@ export function share(move) {
 
 /** The bars of a move: what is drawn, in which colour, and words behind it. */
 function bars(move, of) {
-  const [left, without] = [of(move, "vibration"), of(move, "unshaped_vibration")];
+  const [left, without, most] = ["residual", "unshaped", "vibration"].map((what) => of(move, what));
   const known = move.shaped && left ? share(move).percent : ""; // below the noise the share says no more
   const words = { "": "", "–": ", share not known" }[known] ?? `, ${known} %`;
-  const own = { value: left, kind: move.shaped ? "with" : "without", words };
+  const own = { value: left, kind: move.shaped ? "with" : "without", words, onWay: left !== null && most > 1.1 * left ? most : null };
   return move.shaped && without !== null ? [{ value: without, kind: "without", words: "" }, own] : [own];
 }
 
@@ -40,7 +41,7 @@ export function showMoves(moves, joint) {
   const drawn = whole(all, joint).slice(-BARS).reverse();
   const out = all.filter((move) => move.interrupted).length;
   const note = [drawn.length ? "" : "No move yet.", out ? `Not shown: ${out} ${out === 1 ? "move that was" : "moves that were"} interrupted.` : ""];
-  const inMetres = drawn.every((move) => move.vibration_rad === null || move.vibration_m !== null);
+  const inMetres = drawn.every((move) => move.residual_rad === null || move.residual_m !== null);
   const of = (move, what) => move[`${what}_${inMetres ? "m" : "rad"}`] ?? null;
   const most = Math.max(...drawn.flatMap((move) => bars(move, of).map(({ value }) => value ?? 0)), 1e-12);
   const rows = drawn.flatMap((move) => [name(move), track(bars(move, of), most, inMetres ? "mm" : "mrad")]);
@@ -58,11 +59,13 @@ function name(move) {
 
 function track(bars, most, unit) {
   const box = element("div", "", { class: "track" });
-  for (const { value, kind, words } of bars) {
+  for (const { value, kind, words, onWay } of bars) {
     const row = element("div", "", { class: "bar" });
     const colour = element("i", "", { class: kind });
     colour.style.width = `${(72 * (value ?? 0)) / most}%`;
-    row.append(colour, element("span", value === null ? "not measured" : value === 0 ? `below the noise${words}` : `${number(1e3 * value, 2)} ${unit}${words}`));
+    const left = value === null ? "not measured" : value === 0 ? "below the noise" : `${number(1e3 * value, 2)} ${unit}`;
+    const before = onWay ? `; ${number(1e3 * onWay, 2)} ${unit} on its way` : "";
+    row.append(colour, element("span", left + words + before));
     box.append(row);
   }
   return box;

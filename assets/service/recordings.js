@@ -31,7 +31,7 @@ export async function listRecordings() {
 }
 
 /** What a move has left, in words. */
-function vibration({ vibration_m: metres, vibration_rad: radians }) {
+function vibration({ residual_m: metres, residual_rad: radians }) {
   const [value, unit] = metres != null ? [metres, "mm"] : [radians, "mrad"];
   if (value == null) return "–";
   return value === 0 ? "below the noise" : `${number(1e3 * value, 2)} ${unit}`;

@@ -173,7 +173,7 @@ function showFigures(now) {
   const { estimate, mode } = now;
   const truth = now.true_mode ? `simulated with ${number(now.true_mode.frequency_hz, 4)} Hz` : "";
   const word = !estimate ? "move to learn it" : estimate.refused || (estimate.converged ? "settled" : "not yet settled");
-  const last = whole(state.moves, now.name).filter((move) => move.vibration_rad !== null).pop();
+  const last = whole(state.moves, now.name).filter((move) => move.residual_rad !== null).pop();
   const left = last?.shaped ? share(last) : null;
   $("figures").replaceChildren(
     // Before the robot has said where it stands nothing is commanded.

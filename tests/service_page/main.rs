@@ -55,6 +55,17 @@ fn travel(browser: &mut Browser, degrees: i32, moves: usize) {
     ));
 }
 
+/// The share that is shown of the last move is that of what vibrates after its end.
+fn left(browser: &mut Browser) {
+    until(
+        browser,
+        "(({ shaped, residual_rad: left, unshaped_rad: without }) => { \
+            const shown = [...document.querySelectorAll('#figures div')].at(-1).querySelector('dd').textContent; \
+            const share = left === 0 ? '0' : String(Number((100 * left / without).toPrecision(2))); \
+            return shaped && (shown.startsWith('–') || shown === `${share} %`); })(state.moves.at(-1))",
+    );
+}
+
 /// Forgets what was said, so that what is said next is read.
 fn silence(browser: &mut Browser) {
     browser.value("void (document.querySelector('#said').textContent = '')");
@@ -147,6 +158,7 @@ fn a_robot_is_moved_and_diagnosed_from_the_page() {
     shaping(&mut browser, true);
     travel(&mut browser, 0, 2);
     travel(&mut browser, 30, 3);
+    left(&mut browser);
     // The newest is the first; its second bar is what was left.
     let bars = "[...document.querySelectorAll('#bars .track')].map((track) => \
         [...track.querySelectorAll('i')].map((bar) => bar.getBoundingClientRect().width))";

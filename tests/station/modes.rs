@@ -467,3 +467,46 @@ fn an_unshaped_move_stays_so_whatever_is_changed_while_it_runs_or_rings() {
         assert!(world.joint().train.times_s.len() > 1);
     }
 }
+
+/// The share that a move has left is that of its end, however long it cruises: what rings from its start is another figure. An unshaped
+/// move is told as it rings, although its mode is far from the believed one.
+#[test]
+fn the_share_that_is_left_of_a_long_move_is_that_of_its_end() {
+    let slow = Limits {
+        velocity: 0.5,
+        acceleration: 3.0,
+        jerk: 100.0,
+    };
+    let [data, other] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+    let [mut shaped, mut unshaped] = [&data, &other].map(|data| {
+        let mut settings = settings_of(data.path(), 8.0);
+        settings.joints[0].limits = slow;
+        settings.joints[0].adaptation = false;
+        world_of(settings, &[posed()])
+    });
+    for degrees in [60.0_f64, 0.0, 60.0] {
+        let target = degrees.to_radians();
+        for world in [&mut shaped, &mut unshaped] {
+            world.steps(RUNG);
+        }
+        let (plain, all) = watched(&mut unshaped, target, Some("none"));
+        let (told, left) = watched(&mut shaped, target, None);
+        let [left, all] = [left, all].map(|after| amplitude(&after));
+        let said = plain.residual_rad.expect("measured");
+        assert!(
+            (said / all - 1.0).abs() < 0.1,
+            "{degrees}: {said:e} {all:e}"
+        );
+        if degrees > 0.0 {
+            let share = told.residual_rad.expect("measured") / told.unshaped_rad.expect("known");
+            let truth = left / all;
+            assert!(
+                (share / truth - 1.0).abs() < 0.15,
+                "{degrees}: {share} {truth}"
+            );
+            let way =
+                told.vibration_rad.expect("measured") / told.unshaped_vibration_rad.expect("known");
+            assert!(way < 0.5 * share, "{degrees}: {way} {share}");
+        }
+    }
+}
