@@ -271,6 +271,22 @@ fn a_mode_that_cannot_be_is_refused_in_a_sentence() {
 }
 
 #[test]
+fn a_count_of_nothing_is_refused_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [
+        ["prove", "--cases", "0"],
+        ["prove", "--cases", "many"],
+        ["diagnose", "--jobs", "0"],
+    ] {
+        let refused = refused(folder.path(), &arguments);
+        assert!(
+            refused.contains("it is not a whole number, 1 or more"),
+            "{refused}"
+        );
+    }
+}
+
+#[test]
 fn a_robot_file_is_refused_with_line_key_and_what_was_meant() {
     let folder = TempDir::new().unwrap();
     let cases = [

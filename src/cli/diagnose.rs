@@ -8,7 +8,7 @@ pub use help::long_help;
 
 use super::out::{Force, Out};
 use super::progress::Progress;
-use super::{CliError, next, output};
+use super::{CliError, next, output, values};
 use crate::batch::Shard;
 use crate::diagnosis::{Diagnosis, Options, Outcome, Stop, Verdict, diagnose};
 use crate::effects::Catalogue;
@@ -66,7 +66,7 @@ pub struct Args {
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
     /// Threads to work with, or recordings at once [default: one a core].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = values::count::<u16>)]
     pub jobs: Option<u16>,
     /// Ends the search for further effects after this time, and tells the best explanation so far, marked as such.
     #[arg(long, value_name = "SECONDS", conflicts_with_all = ["batch", "queue"], value_parser = seconds)]

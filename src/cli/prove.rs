@@ -2,7 +2,7 @@
 
 use super::out::{Force, Out, Stage};
 use super::progress::Progress;
-use super::{CliError, choices, next, output};
+use super::{CliError, choices, next, output, values};
 use crate::diagnosis::{Diagnosis, FittedParameter, Options, diagnose, score};
 use crate::model::Model;
 use crate::proof::{
@@ -37,7 +37,7 @@ model and one recording. The truth is read after the last diagnosis. DIR holds c
 case-00/train/, case-00/test/, ... and truth.json; --keep DIR writes such a folder.")]
 pub struct Args {
     /// How many cases to make.
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = values::count::<u64>)]
     cases: u64,
     /// The seed; the same seed makes the same cases.
     #[arg(long, value_name = "S", default_value_t = 1)]

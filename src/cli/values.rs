@@ -1,5 +1,7 @@
 //! Numbers as they are typed on a command line, with their ranges.
 
+use std::str::FromStr;
+
 use quell_shapers::Mode;
 
 /// `F,XI`: a mode by its natural frequency in Hz and its damping ratio.
@@ -37,6 +39,13 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
 pub fn below_100_percent(text: &str) -> Result<f64, String> {
     let holds = |value: f64| (0.0..100.0).contains(&value);
     checked(text, holds, "a percentage from 0 to below 100")
+}
+
+/// A count of 1 or more.
+pub fn count<T: FromStr + Default + PartialEq>(text: &str) -> Result<T, String> {
+    let value = text.trim().parse::<T>().ok();
+    let counts = value.filter(|value| *value != T::default());
+    counts.ok_or_else(|| "it is not a whole number, 1 or more".into())
 }
 
 fn checked(text: &str, holds: impl Fn(f64) -> bool, rule: &str) -> Result<f64, String> {

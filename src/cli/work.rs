@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use std::thread::available_parallelism;
 
 use super::answers::told;
-use super::{CliError, output};
+use super::{CliError, output, values};
 use crate::batch::{Answer, Work, connect, work};
 
 /// Diagnoses the recordings in a queue, one after the other, until it is told to end.
@@ -26,7 +26,7 @@ pub struct Args {
     #[arg(long, value_name = "URL")]
     queue: String,
     /// Recordings at once [default: one a core].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = values::count::<u16>)]
     jobs: Option<u16>,
     /// Ends when the queue is empty.
     #[arg(long)]
