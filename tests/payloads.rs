@@ -1,6 +1,6 @@
 //! Recordings of one joint that carries different payloads.
 
-use quell::diagnosis::{Options, Verdict, diagnose};
+use quell::diagnosis::{Options, Verdict, carrying, diagnose, predict};
 use quell::model::{Departure, Experiment, Model, simulate};
 use quell::recording::{Channel, Recording, Role};
 use rand::{Rng, SeedableRng};
@@ -50,6 +50,31 @@ fn carried(payload: &str, inertia: f64) -> Recording {
         .iter()
         .map(|y| y + NOISE * random.sample::<f64, _>(StandardNormal));
     recording(noisy.collect())
+}
+
+/// A model says nothing of its payload. Beside the score with its inertia stands that with the inertia of the recording.
+#[test]
+fn val_a_score_tells_the_inertia_of_another_payload() {
+    let model = model(8.0, 0.05);
+    for (payload, inertia) in [("0 kg", 1.0), ("5 kg", 1.9)] {
+        let recording = carried(payload, inertia);
+        let (_, score) = predict(&model, recording.clone()).unwrap();
+        assert_eq!(score.rms_over_noise < 1.1, inertia == 1.0, "{score:?}");
+        let own = carrying(&model, &recording, None)
+            .unwrap()
+            .expect("a payload");
+        assert_eq!(own.payload, payload);
+        assert!(
+            (own.relative_inertia / inertia - 1.0).abs() < 2e-3,
+            "{own:?}"
+        );
+        assert!(own.score.rms_over_noise < 1.1, "{own:?}");
+        let nameless = Recording {
+            payload: None,
+            ..recording
+        };
+        assert_eq!(carrying(&model, &nameless, None).unwrap(), None);
+    }
 }
 
 /// The inertia with each payload is found, and the scores are those with it.

@@ -1,8 +1,9 @@
 //! `quell score`: how well a model predicts a recording that it has never seen.
 
 use super::{CliError, next, output};
-use crate::diagnosis::{forecast, predict};
+use crate::diagnosis::{Carrying, Score, carrying, forecast, predict};
 use crate::model::Model;
+use crate::page::significant;
 use crate::recording::Recording;
 use crate::report::score_line;
 use std::num::NonZeroUsize;
@@ -18,6 +19,7 @@ Examples:
 
 Only the clock offset, the output's offset, the sensor's frame and a start that no sensor says are fitted; the
 model's parameters and effects are taken as they stand. A model that lacks nothing has an rms of once the noise.
+Where the manifest has a payload, the score with the link's inertia fitted stands beside.
 With --first they are fitted to the first samples, and the score is of the free run that follows.")]
 pub struct Args {
     /// The model, such as the one that `quell diagnose` wrote.
@@ -32,6 +34,25 @@ pub struct Args {
     pub json: bool,
 }
 
+/// The score, and that with the inertia of the recording's payload.
+#[derive(serde::Serialize)]
+struct Told {
+    #[serde(flatten)]
+    score: Score,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    with_payload: Option<Carrying>,
+}
+
+fn carrying_line(carried: &Carrying) -> String {
+    format!(
+        "A model does not say with which payload it holds; this recording has the payload {:?}. With {} times the model's \
+         inertia of the link: {}\n",
+        carried.payload,
+        significant(carried.relative_inertia, 4),
+        score_line(&carried.score)
+    )
+}
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -39,16 +60,25 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), CliError> {
     let model = Model::from_path(&args.model).map_err(CliError::input)?;
     let recording = Recording::from_path(&args.recording)?;
+    let named = recording.payload.is_some().then(|| recording.clone());
     let judged = match args.first {
         Some(samples) => forecast(&model, recording, samples),
         None => predict(&model, recording),
     };
     let (_, score) = judged.map_err(CliError::input)?;
+    let carried = match named {
+        Some(recording) => carrying(&model, &recording, args.first).map_err(CliError::input)?,
+        None => None,
+    };
     match args.json {
-        true => output::json(&score),
+        true => output::json(&Told {
+            score,
+            with_payload: carried,
+        }),
         false => output::text(&format!(
-            "{}\n{}",
+            "{}\n{}{}",
             score_line(&score),
+            carried.as_ref().map_or_else(String::new, carrying_line),
             next::command([
                 "diagnose".as_ref(),
                 "--model".as_ref(),

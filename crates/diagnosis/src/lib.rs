@@ -102,6 +102,6 @@ pub use locate::{Dynamics, Located, Residual, locate};
 pub use looks::diagnose;
 pub use outcome::{Options, Outcome, Progress};
 pub use scales::scales;
-pub use score::{Predicted, forecast, predict, score};
+pub use score::{Carrying, Predicted, carrying, forecast, predict, score};
 pub use stop::Stop;
 pub use traces::{CoordinateTrace, OutputTrace, SpectrumTrace, Traces};

@@ -10,6 +10,7 @@ use super::start::ringing;
 use super::weights::measure_noise;
 use quell_model::{Experiment, Model, Output, Term};
 use quell_recording::Recording;
+use serde::Serialize;
 use std::num::NonZeroUsize;
 
 /// How a recording is replayed, and to which samples its offsets, clocks and starts are fitted.
@@ -96,7 +97,9 @@ fn predicted(
     if !matches!(replay, Replay::InWindows) {
         experiments[0].windows.clear();
     }
-    let (residuals, noise) = left(model, happened, &experiments, first);
+    let Left {
+        residuals, noise, ..
+    } = left(model, happened, &experiments, (first, false));
     let score = score_of(&experiments[0], &residuals[0], noise, first);
     let numbers = [
         score.rms,
@@ -112,14 +115,67 @@ fn predicted(
     Ok((pairs.map(|(o, r)| Predicted::new(o, r)).collect(), score))
 }
 
-/// Residual of each output and noise of the first one. The fit uses the first samples if `first` is given, else
-/// all.
+/// What a recording with a payload says of the link's inertia, beside a model that says nothing of its payload.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Carrying {
+    /// The payload, as the recording names it.
+    pub payload: String,
+    /// Inertia of the link over the model's, by least squares.
+    pub relative_inertia: f64,
+    /// The score with that inertia.
+    pub score: Score,
+}
+
+/// As [`predict`], or [`forecast`] with `first` samples, and with the link's inertia fitted; `None` where the recording names no
+/// payload, or says the inertia itself.
+///
+/// # Errors
+/// As [`forecast`].
+pub fn carrying(
+    model: &Model,
+    recording: &Recording,
+    first: Option<NonZeroUsize>,
+) -> Result<Option<Carrying>, DiagnosisError> {
+    let Some(payload) = recording.payload.clone() else {
+        return Ok(None);
+    };
+    let first = first.map(NonZeroUsize::get);
+    let mut experiments = vec![Experiment::of(model, recording.clone())?];
+    if experiments[0].known.says_inertia() {
+        return Ok(None);
+    }
+    if first.is_some() {
+        experiments[0].windows.clear();
+    }
+    let left = left(model, &[], &experiments, (first, true));
+    let score = score_of(&experiments[0], &left.residuals[0], left.noise, first);
+    // Where the motion with no inertia stays finite, nothing is told of it.
+    let is_told = score.rms_over_noise.is_finite();
+    Ok(is_told.then_some(Carrying {
+        payload,
+        relative_inertia: left.inertia,
+        score,
+    }))
+}
+
+/// What a model leaves of a recording.
+struct Left {
+    /// Residual of each output.
+    residuals: Vec<Vec<f64>>,
+    /// Noise of the first one.
+    noise: f64,
+    /// Inertia of the link over the model's.
+    inertia: f64,
+}
+
+/// What a model leaves. The fit uses the first samples if `first` is given, else all. The inertia is the model's unless the
+/// recording is `loaded`.
 fn left(
     model: &Model,
     happened: &[Term],
     experiments: &[Experiment],
-    first: Option<usize>,
-) -> (Vec<Vec<f64>>, f64) {
+    (first, loaded): (Option<usize>, bool),
+) -> Left {
     let rows = |experiment| match first {
         Some(first) => split::first(experiment, first),
         None => split::whole(experiment),
@@ -127,6 +183,11 @@ fn left(
     let rows = experiments.iter().map(rows).collect();
     let mut fit = problem(model, experiments, rows);
     fit.freeze();
+    if loaded {
+        // The model's own payload comes first, whatever it is.
+        fit.payloads.insert(0, None);
+        fit.free_payloads = 1..fit.payloads.len();
+    }
     let mut start = fit.start(model);
     start.terms.extend_from_slice(happened);
     start.given_terms = start.terms.len();
@@ -136,16 +197,23 @@ fn left(
     if first.is_some() {
         // The noise is reported but does not affect the weights: it is also measured on the samples that
         // follow.
-        let left = fit.explained(&rough.point, 0);
+        let residuals = fit.explained(&rough.point, 0);
         measure_noise(&mut fit, &rough.point);
-        return (left, fit.noise[0][0].deviation);
+        return Left {
+            residuals,
+            noise: fit.noise[0][0].deviation,
+            inertia: rough.point.inertias[usize::from(loaded)],
+        };
     }
     measure_noise(&mut fit, &rough.point);
     projector = Projector::new(&fit);
     let fitted = fit.fit(&rough.point, &projector, 15);
     drop(projector);
-    let noise = fit.noise[0][0].deviation;
-    (fit.explained(&fitted.point, 0), noise)
+    Left {
+        residuals: fit.explained(&fitted.point, 0),
+        noise: fit.noise[0][0].deviation,
+        inertia: fitted.point.inertias[usize::from(loaded)],
+    }
 }
 
 impl Predicted {
