@@ -178,6 +178,23 @@ def choose(
     return chosen, one_of(variables, time, path), units
 
 
+def check_one_test(variables: Mapping[str, Any], stamps: Any, path: Path) -> None:
+    """Refuse a file whose time begins again with another value of a column, as that of an episode."""
+    times = np.asarray(stamps)
+    if times.ndim != 1 or times.dtype.kind not in "fiu" or len(times) < 2:
+        return
+    back = np.flatnonzero(np.diff(times) <= 0)
+    if len(back) == 0:
+        return
+    for name, values in variables.items():
+        column = np.asarray(values)
+        if column.shape == times.shape and column.dtype.kind in "iuOUS":
+            changes = np.flatnonzero(column[1:] != column[:-1])
+            if np.array_equal(changes, back):
+                message = f"{path}: its time begins again with each {name}: take one, as where={{{name!r}: {column[0].item()!r}}}"
+                raise RecordingError(message, file=str(path), column=name)
+
+
 def _numbers(variables: Mapping[str, Any], name: str, path: Path | None) -> NDArray[np.float64]:
     try:
         return np.asarray(one_of(variables, name, path), dtype=np.float64)

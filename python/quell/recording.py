@@ -328,6 +328,8 @@ class Recording:
         missing: Missing,
     ) -> Recording:
         chosen, stamps, units = _variables.choose(variables, wanted, path)
+        if path is not None and stamps is not None:
+            _variables.check_one_test(variables, stamps, path)
         recording = cls.from_arrays(
             chosen,
             time=stamps,

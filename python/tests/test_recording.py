@@ -73,6 +73,8 @@ def test_an_episode_of_a_parquet_file_is_a_recording(tmp_path: Path) -> None:
     expected(quell.Recording.load(tmp_path / "file.parquet", channels, units=UNITS, where=where))
     with pytest.raises(quell.RecordingError, match="no row has"):
         quell.Recording.load(tmp_path / "file.parquet", channels, where={"episode_index": 7})
+    with pytest.raises(quell.RecordingError, match="begins again with each episode_index: take one, as where="):
+        quell.Recording.load(tmp_path / "file.parquet", channels, units=UNITS)
 
 
 def test_an_episode_at_30_samples_a_second_is_diagnosed_or_refused(tmp_path: Path) -> None:

@@ -138,18 +138,35 @@ fn mcap((path, file): (&Path, &McapFile), joint: Option<&str>, json: bool) -> Re
         one.push(format!("#{name}"));
     }
     let mut words = vec!["identify".into(), one.clone()];
+    // Where the topics that say what they are do not suffice, and others are there.
+    let mut lacks = false;
+    if let Some(name) = joint.or(joints.first().map(String::as_str)) {
+        let recording = file.recording(Some(name))?;
+        words = follows(&recording, Path::new(&one));
+        lacks = !identify::can(&recording) && !topics::unread(file).is_empty();
+        if lacks {
+            let described = format!("{MANIFEST}#{name}");
+            words = vec!["identify".into(), described.into()];
+        }
+    }
     if joint.is_some() || joints.len() == 1 {
         let recording = file.recording(joint)?;
-        words = follows(&recording, Path::new(&one));
         let figures: Vec<Health> = recording.channels.iter().map(health).collect();
         text.push_str(&page(&recording, &figures));
         if let Value::Object(keys) = document(&recording, &figures) {
             all.extend(keys);
         }
     }
+    let next = match lacks {
+        true => format!(
+            "Next: describe the channels in a {MANIFEST} beside the file\n{}",
+            next::then(words)
+        ),
+        false => next::command(words),
+    };
     match json {
         true => output::json(&all),
-        false => output::text(&format!("{text}\n{}", next::command(words))),
+        false => output::text(&format!("{text}\n{next}")),
     }
 }
 

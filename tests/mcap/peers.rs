@@ -144,4 +144,28 @@ fn the_files_of_other_writers_are_read_by_their_definitions() {
             "{compression}"
         );
     }
+    topics_without_a_role(folder.path());
+}
+
+/// What the names of topics do not say is named, with the lines that read it.
+fn topics_without_a_role(folder: &Path) {
+    let mut quell = assert_cmd::Command::cargo_bin("quell").unwrap();
+    let inspected = quell.arg("inspect").arg(folder.join("states.mcap"));
+    let told = inspected.assert().success().get_output().stdout.clone();
+    let told = String::from_utf8(told).unwrap();
+    assert!(
+        told.contains("Not read, as the name does not say what is measured: /link_states\n"),
+        "{told}"
+    );
+    assert!(
+        told.ends_with("Then: quell identify 'recording.toml#hip'\n"),
+        "{told}"
+    );
+    let from = told.find("    [[channel]]").expect("the lines");
+    let lines = told[from..].split("\n\n").next().expect("the lines");
+    let name = "name = \"states\"\n";
+    std::fs::write(folder.join("states.toml"), format!("{name}{lines}\n")).unwrap();
+    let recording = Recording::from_path(&folder.join("states.toml#hip")).unwrap();
+    let link = recording.channel(Role::LinkPosition).unwrap();
+    assert_eq!(link.columns[0][8], 0.75);
 }

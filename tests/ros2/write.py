@@ -2,6 +2,8 @@
 
 At k / 100 s, k from 0 to 499: a sensor_msgs/Imu, a std_msgs/Float64MultiArray, and a type of its own with what
 definitions can have: constants, defaults, bounds, arrays, sequences of records, numbers of all sizes.
+
+And states.mcap: the joint states of an arm, and those of its links under another topic.
 """
 
 import sys
@@ -49,6 +51,8 @@ string[] joint_names
 float32[] angles
 """ + LINE + "MSG: arm_msgs/Axis\nstring name\nint16 counts\nfloat32 angle\n" + HEADER
 
+STATE = "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n" + HEADER
+
 
 def main(folder):
     for compression in (CompressionType.NONE, CompressionType.LZ4, CompressionType.ZSTD):
@@ -56,6 +60,18 @@ def main(folder):
             writer = Writer(stream, chunk_size=8192, compression=compression)
             write(writer)
             writer.finish()
+    with open(folder / "states.mcap", "wb") as stream:
+        writer = Writer(stream)
+        state = writer.register_msgdef("sensor_msgs/msg/JointState", STATE)
+        for k in range(500):
+            stamp = {"sec": 1_700_000_000 + k // 100, "nanosec": 10_000_000 * (k % 100)}
+            for topic, more in (("/joint_states", 0.0), ("/link_states", 0.25)):
+                message = {
+                    "header": {"stamp": stamp, "frame_id": ""}, "name": ["hip", "knee"],
+                    "position": [k / 16 + more, -k / 16 + more], "velocity": [], "effort": [],
+                }
+                writer.write_message(topic, state, message, 1_700_000_000_000_000_000 + 10_000_000 * k)
+        writer.finish()
 
 
 def write(writer):

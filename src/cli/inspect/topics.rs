@@ -22,7 +22,7 @@ pub fn page(file: &McapFile) -> String {
     let rows: Vec<_> = joints.iter().flat_map(of).collect();
     let roles = match rows.is_empty() {
         true => fields(file),
-        false => columns(["joint", "role", "topic", "field"], rows),
+        false => columns(["joint", "role", "topic", "field"], rows) + &unread_words(file),
     };
     let remarks: String = file.remarks().iter().map(|r| format!("- {r}\n")).collect();
     let several = match &*joints {
@@ -33,6 +33,50 @@ pub fn page(file: &McapFile) -> String {
         _ => String::new(),
     };
     format!("{topics}\n{roles}{several}{remarks}\n")
+}
+
+/// Topics with numbers whose names do not say what they measure, in a file where other topics do.
+pub fn unread(file: &McapFile) -> Vec<&Topic> {
+    let joints = file.joints();
+    let read: Vec<Found> = joints.iter().flat_map(|joint| file.roles(joint)).collect();
+    let is_read = |topic: &&Topic| read.iter().any(|found| found.topic == topic.name);
+    let is_own = |topic: &&Topic| topic.name.starts_with("/quell/");
+    let others = file
+        .topics()
+        .iter()
+        .filter(|topic| !is_own(topic) && !is_read(topic));
+    others.filter(|topic| !topic.fields().is_empty()).collect()
+}
+
+/// Names them, with the channel of a manifest that reads the first.
+fn unread_words(file: &McapFile) -> String {
+    let topics = unread(file);
+    let Some(first) = topics.first() else {
+        return String::new();
+    };
+    let fields = first.fields();
+    let position = fields
+        .iter()
+        .position(|field| field.starts_with("position"));
+    let mut field = fields[position.unwrap_or(0)].replace("[]", "");
+    let joint = first.names.first();
+    if let Some(joint) = joint.filter(|_| position.is_some()) {
+        field.push_str(&format!("[{joint}]"));
+    }
+    let of_joint = joint.map_or_else(String::new, |joint| format!("    joint = \"{joint}\"\n"));
+    let file = file
+        .path()
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy();
+    let names: Vec<&str> = topics.iter().map(|topic| topic.name.as_str()).collect();
+    format!(
+        "\nNot read, as the name does not say what is measured: {}\nA recording.toml says it, channel by channel:\n\n    \
+         [[channel]]\n    role = \"link_position\"  # or what it measures\n{of_joint}    file = \"{file}\"\n    \
+         topic = \"{}\"\n    field = \"{field}\"\n    unit = \"rad\"\n\n",
+        names.join(", "),
+        first.name
+    )
 }
 
 /// The fields that a manifest can name, if no topic gives its role.
