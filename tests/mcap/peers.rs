@@ -165,7 +165,7 @@ fn topics_without_a_role(folder: &Path) {
     let lines = told[from..].split("\n\n").next().expect("the lines");
     let name = "name = \"states\"\n";
     std::fs::write(folder.join("states.toml"), format!("{name}{lines}\n")).unwrap();
-    let recording = Recording::from_path(&folder.join("states.toml#hip")).unwrap();
+    let recording = Recording::from_path(folder.join("states.toml#hip")).unwrap();
     let link = recording.channel(Role::LinkPosition).unwrap();
     assert_eq!(link.columns[0][8], 0.75);
 }
