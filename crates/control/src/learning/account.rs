@@ -7,17 +7,15 @@
 
 use core::f64::consts::TAU;
 
-use super::fit::{Fit, Fitted};
+use super::fit::Fit;
 use super::forecast::Expected;
 use super::path::{NODES, Way};
 use super::point::Point;
-use super::response::{FOLDING, columns};
+use super::response::columns;
 use crate::estimators::Sample;
 
 /// Fewest samples of a period for an amplitude: the unknowns are mean and amplitude.
 const FEWEST: usize = 4;
-/// Passes for the deformation in the link's velocity: its part of that is a tenth, so that each pass gains a digit.
-const PASSES: usize = 3;
 /// Change of a tick's increment, rad, that may be rounding of positions.
 const STEADY: f64 = 1e-12;
 
@@ -74,8 +72,7 @@ impl Explained {
         let centre: Vec<Point> = self.fit.modes.iter().map(|mode| mode.point).collect();
         let traces: Vec<_> = centre
             .iter()
-            .enumerate()
-            .map(|(m, point)| self.response((m, point), seen))
+            .map(|point| self.response(point, seen))
             .collect();
         let shares: Vec<f64> = self.fit.modes.iter().map(|mode| mode.share).collect();
         let [unshaped, unshaped_vibration] = measured(&traces, &shares, period);
@@ -112,21 +109,21 @@ impl Explained {
             let others = points.len() - 1;
             for point in &points[1..] {
                 let mut moved = traces.to_vec();
-                moved[m] = self.response((m, point), seen);
+                moved[m] = self.response(point, seen);
                 variance += away(measured(&moved, &shares, period)).powi(2) / others as f64;
             }
         }
         variance.sqrt()
     }
 
-    /// The deformation of a mode, counted from 0, of share 1 in the planned motion and for a period of the slowest mode
-    /// after it.
-    fn response(&self, (m, point): (usize, &Point), seen: &Seen<'_>) -> Trace {
+    /// The deformation of a mode of share 1 in the planned motion and for a period of the slowest mode after
+    /// it.
+    fn response(&self, point: &Point, seen: &Seen<'_>) -> Trace {
         let followed = (seen.follows / seen.period).ceil() as usize;
         let rest = followed + (self.slowest_period() / seen.period).ceil() as usize + 2;
         let last = seen.planned.last().copied().unwrap_or_default();
         let positions = seen.planned.iter().copied();
-        let mut samples: Vec<Sample> = positions
+        let samples: Vec<Sample> = positions
             .chain(core::iter::repeat_n(last, rest))
             .enumerate()
             .map(|(k, motor_position)| Sample {
@@ -136,19 +133,7 @@ impl Explained {
             })
             .collect();
         let log_w = |position| self.way.value(&point.log_w, position);
-        let Fitted { share, folding, .. } = self.fit.modes[m];
-        let mut across = Vec::new();
-        // An inertia that changes is pushed by the link's own velocity, in which the deformation is.
-        for _ in 0..PASSES {
-            let columns = columns(&samples, log_w, point.xi).of;
-            let both = columns[0].iter().zip(&columns[FOLDING]);
-            across = both
-                .map(|(driven, pushed)| driven + folding * pushed)
-                .collect();
-            for (sample, across) in samples.iter_mut().zip(&across) {
-                sample.deformation = share * across;
-            }
-        }
+        let [across, ..] = columns(&samples, log_w, point.xi).of;
         // The measured amplitude is taken after this delay, too.
         let end = seen.planned.len() + followed;
         let at = |range: core::ops::Range<usize>| -> Vec<(f64, f64)> {

@@ -3,30 +3,22 @@
 //! ```text
 //! q'' + 2 xi w q' + w^2 q = w^2 u + 2 xi w u'     damper across the joint,    w = w(u(t))
 //! g'' + 2 xi w g' + w^2 g = w^2 u                 damper to ground
-//! y'' + 2 xi w y' + w^2 y = (d ln w / du) v^2     inertia that changes along the way
 //! ```
-//! The last is the term `J' v^2 / 2` of Lagrange's equations over the inertia, where the stiffness stays, `w^2 = k / J`. The
-//! velocity `v` of the link is that of the samples.
 //! Within a sample interval `w` is that of its middle and `u` a parabola. The step is then exact: the
 //! differences from the particular solutions, `q - q_p`, `q_p = u - u'' / w^2`, and `g - g_p`, `g_p = u - (2 xi
-//! / w) u' + ((4 xi^2 - 1) / w^2) u''`, decay freely. That of `y` is constant within the interval.
+//! / w) u' + ((4 xi^2 - 1) / w^2) u''`, decay freely.
 
 use crate::estimators::Sample;
 
 /// Columns of a mode at the samples: the driven response, and the free decay of the initial state.
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
-    /// `q - u + y / 2`; `g - q`; `q' / w_0`; free decays from a deflection of 1, and from a velocity of `w_0`; `y`.
+    /// `q - u`; `g - q`; `q' / w_0`; free decays from a deflection of 1, and from a velocity of `w_0`.
     pub of: [Vec<f64>; COLUMNS],
 }
 
 /// Columns of a mode.
-pub const COLUMNS: usize = 6;
-/// That of an inertia that changes.
-pub const FOLDING: usize = 5;
-
-/// Half the way over which the slope of `ln w` is taken, rad.
-const NEAR: f64 = 1e-4;
+pub const COLUMNS: usize = 5;
 
 /// State of a mode: position and velocity.
 type State = [f64; 2];
@@ -79,7 +71,6 @@ pub fn columns(samples: &[Sample], log_w: impl Fn(f64) -> f64, xi: f64) -> Colum
     let origin = first.motor_position;
     let mut driven: [State; 2] = [[0.0; 2]; 2];
     let mut free: [State; 2] = [[1.0, 0.0], [0.0, start]];
-    let mut folding: State = [0.0; 2];
     for (k, sample) in samples.iter().enumerate() {
         if k > 0 {
             let last = samples[k - 1];
@@ -104,21 +95,14 @@ pub fn columns(samples: &[Sample], log_w: impl Fn(f64) -> f64, xi: f64) -> Colum
                 [loose[0] + to[k][0], loose[1] + to[k][1]]
             });
             free = free.map(|state| times(&step, state));
-            let middle = 0.5 * (last.motor_position + sample.motor_position);
-            let slope = (log_w(middle + NEAR) - log_w(middle - NEAR)) / (2.0 * NEAR);
-            let velocity = chord + (sample.deformation - last.deformation) / h;
-            let pushed = slope * velocity * velocity / (w * w);
-            let loose = times(&step, [folding[0] - pushed, folding[1]]);
-            folding = [loose[0] + pushed, loose[1]];
         }
         let [across, ground] = driven;
         let row = [
-            across[0] - (sample.motor_position - origin) + 0.5 * folding[0],
+            across[0] - (sample.motor_position - origin),
             ground[0] - across[0],
             across[1] / start,
             free[0][0],
             free[1][0],
-            folding[0],
         ];
         columns.of.iter_mut().zip(row).for_each(|(c, x)| c.push(x));
     }
@@ -127,7 +111,7 @@ pub fn columns(samples: &[Sample], log_w: impl Fn(f64) -> f64, xi: f64) -> Colum
 
 #[cfg(test)]
 mod tests {
-    use super::{FOLDING, columns};
+    use super::columns;
     use crate::estimators::Sample;
 
     /// Of a motor side that accelerates evenly, `u = t^2 / 2`, a mode without damping lags by
@@ -152,25 +136,6 @@ mod tests {
             );
             let free = (w * sample.time).cos();
             assert!((found[3][k] - free).abs() < 1e-9, "{k}");
-        }
-    }
-
-    /// An inertia that falls slowly along a steady motion pushes with `s v^2`: `y = s v^2 (1 - cos w t) / w^2`.
-    #[test]
-    fn val_push_of_an_inertia_that_changes() {
-        let (w, s, v): (f64, f64, f64) = (50.0, 1e-4, 2.0);
-        let sample = |k: usize| Sample {
-            time: 0.001 * k as f64,
-            motor_position: 0.001 * k as f64 * v,
-            deformation: 0.0,
-        };
-        let samples: Vec<Sample> = (0..400).map(sample).collect();
-        let found = columns(&samples, |u| w.ln() + s * u, 0.0).of;
-        let size = s * v * v / (w * w);
-        for (k, sample) in samples.iter().enumerate() {
-            let pushed = size * (1.0 - (w * sample.time).cos());
-            // The frequency itself changes by 1e-4 over the way, and that many radians have gone by: 2e-3.
-            assert!((found[FOLDING][k] - pushed).abs() < 4e-3 * size, "{k}");
         }
     }
 }

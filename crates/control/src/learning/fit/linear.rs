@@ -20,8 +20,6 @@ const LAG_STD: f64 = 2e-3;
 const SHARE_STD: f64 = 2.0;
 const GROUND_STD: f64 = 1.0;
 const RATE_STD: f64 = 0.3;
-/// Standard deviation of `e`: of all of a share of 1, the inertia makes none to all.
-const FOLDING_STD: f64 = 0.5;
 
 /// The solution of the linear unknowns at some modes.
 pub struct Linear {
@@ -66,7 +64,7 @@ impl Problem<'_> {
     /// Inverse variances of the linear unknowns.
     fn linear_precision(&self, modes: usize) -> DVector<f64> {
         let size = 10.0 * self.largest.max(1e-12);
-        let each = [SHARE_STD, GROUND_STD, RATE_STD, size, size, FOLDING_STD];
+        let each = [SHARE_STD, GROUND_STD, RATE_STD, size, size];
         let common = [size, GAIN_STD, LAG_STD];
         let stds = (0..modes).flat_map(|_| each).chain(common);
         DVector::from_iterator(COLUMNS * modes + COMMON, stds.map(|std| std.powi(-2)))

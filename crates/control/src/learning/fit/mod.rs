@@ -1,10 +1,10 @@
 //! Least squares of a move: a sum of modes, the frequency of each a function of the pose.
 //!
 //! ```text
-//! delta = sum_m [p_m (q_m - u + y_m / 2) + d_m (g_m - q_m) + c_m q_m' + a_m f_m + b_m h_m + e_m y_m] + o + K u + s u' + noise
+//! delta = sum_m [p_m (q_m - u) + d_m (g_m - q_m) + c_m q_m' + a_m f_m + b_m h_m] + o + K u + s u' + noise
 //! ```
-//! with `q_m`, `g_m`, `y_m`, and the free decays `f_m`, `h_m`, of [`columns`]. The shares `p`, dampers to ground `d`,
-//! changes of the inertia `e` (`p / 2` where the stiffness stays, `-p / 2` where the inertia does), lags `c`, `s`, initial vibration `a`, `b`, offset `o` and gain `K` enter linearly; `ln w` at the nodes of
+//! with `q_m`, `g_m`, and the free decays `f_m`, `h_m`, of [`columns`]. The shares `p`, dampers to ground `d`,
+//! lags `c`, `s`, initial vibration `a`, `b`, offset `o` and gain `K` enter linearly; `ln w` at the nodes of
 //! the way, and `xi`, do not. Gauss-Newton steps, damped as by Levenberg and Marquardt; the map gives Gaussian
 //! priors.
 //!
@@ -18,7 +18,7 @@ use nalgebra::{DVector, SMatrix};
 use self::linear::COMMON;
 use super::path::Way;
 use super::point::{OF_A_MODE, Point, Prior};
-use super::response::{COLUMNS, FOLDING};
+use super::response::COLUMNS;
 use crate::estimators::Sample;
 use crate::estimators::correlation::Correlation;
 
@@ -32,8 +32,6 @@ pub struct Fitted {
     pub point: Point,
     /// Its share `p`.
     pub share: f64,
-    /// Part of the frequency's change along the way that is one of the inertia, over a half: `e / p`.
-    pub folding: f64,
     /// Standard deviation of the share.
     pub share_std: f64,
     /// Covariance of `ln w` at the nodes and `xi`.
@@ -139,10 +137,6 @@ impl<'a> Problem<'a> {
             modes.push(Fitted {
                 point,
                 share: linear.unknowns[COLUMNS * m],
-                folding: match linear.unknowns[COLUMNS * m] {
-                    0.0 => 0.0,
-                    share => linear.unknowns[COLUMNS * m + FOLDING] / share,
-                },
                 share_std: inverse[(COLUMNS * m, COLUMNS * m)].sqrt(),
                 covariance: own,
                 information: not_negative(own.try_inverse()? - prior.precision()),
