@@ -6,6 +6,7 @@ use quell::recording::{Channel, Recording, Role};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
+use std::num::NonZeroUsize;
 
 const NOISE: f64 = 1e-5;
 const RATE: f64 = 250.0;
@@ -69,6 +70,8 @@ fn val_a_score_tells_the_inertia_of_another_payload() {
             "{own:?}"
         );
         assert!(own.score.rms_over_noise < 1.1, "{own:?}");
+        let nothing_follows = carrying(&model, &recording, NonZeroUsize::new(usize::MAX));
+        assert!(nothing_follows.is_err(), "{nothing_follows:?}");
         let nameless = Recording {
             payload: None,
             ..recording

@@ -120,10 +120,10 @@ impl GuardReport {
             .any(|sensor| sensor.fault.is_some_and(says))
     }
 
-    /// Whether the sensor of a quantity sends, and its last reading is no number.
-    pub fn lacks_number(&self, quantity: Quantity) -> Option<&SensorReport> {
-        let sensor = self.of(quantity)?;
-        (sensor.fault == Some(Fault::NotFinite)).then_some(sensor)
+    /// The sensor of a quantity whose last reading was no number.
+    pub fn without_number(&self, quantity: Quantity) -> Option<&SensorReport> {
+        let sensor = self.of(quantity);
+        sensor.filter(|sensor| sensor.fault == Some(Fault::NotFinite))
     }
 }
 

@@ -74,29 +74,9 @@ fn predicted(
     (recording, index): (Recording, usize),
     replay: Replay,
 ) -> Result<(Vec<Predicted>, Score), DiagnosisError> {
-    if let Carried::Nothing(words) = carried(model, std::slice::from_ref(&recording))? {
-        let recording = recording.name;
-        return Err(DiagnosisError::Still { recording, words });
-    }
     let name = recording.name.clone();
-    let mut experiments = vec![Experiment::of(model, recording)?];
+    let (mut experiments, first) = replayed(model, recording, replay)?;
     experiments[0].recording = index;
-    let first = match replay {
-        Replay::FromFirst(first) => Some(first),
-        Replay::InWindows | Replay::InOnePiece => None,
-    };
-    let lengths = experiments[0].outputs.iter().map(|o| o.values.len());
-    let samples = lengths.min().unwrap_or(0);
-    if let Some(first) = first.filter(|first| *first >= samples) {
-        return Err(DiagnosisError::NothingFollows {
-            recording: name,
-            first,
-            samples,
-        });
-    }
-    if !matches!(replay, Replay::InWindows) {
-        experiments[0].windows.clear();
-    }
     let Left {
         residuals, noise, ..
     } = left(model, happened, &experiments, (first, false));
@@ -115,6 +95,37 @@ fn predicted(
     Ok((pairs.map(|(o, r)| Predicted::new(o, r)).collect(), score))
 }
 
+/// The one experiment of a recording, and the number of samples to which it is fitted if not to all.
+fn replayed(
+    model: &Model,
+    recording: Recording,
+    replay: Replay,
+) -> Result<(Vec<Experiment>, Option<usize>), DiagnosisError> {
+    if let Carried::Nothing(words) = carried(model, std::slice::from_ref(&recording))? {
+        let recording = recording.name;
+        return Err(DiagnosisError::Still { recording, words });
+    }
+    let name = recording.name.clone();
+    let mut experiments = vec![Experiment::of(model, recording)?];
+    let first = match replay {
+        Replay::FromFirst(first) => Some(first),
+        Replay::InWindows | Replay::InOnePiece => None,
+    };
+    let lengths = experiments[0].outputs.iter().map(|o| o.values.len());
+    let samples = lengths.min().unwrap_or(0);
+    if let Some(first) = first.filter(|first| *first >= samples) {
+        return Err(DiagnosisError::NothingFollows {
+            recording: name,
+            first,
+            samples,
+        });
+    }
+    if !matches!(replay, Replay::InWindows) {
+        experiments[0].windows.clear();
+    }
+    Ok((experiments, first))
+}
+
 /// What a recording with a payload says of the link's inertia, beside a model that says nothing of its payload.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Carrying {
@@ -126,8 +137,8 @@ pub struct Carrying {
     pub score: Score,
 }
 
-/// As [`predict`], or [`forecast`] with `first` samples, and with the link's inertia fitted; `None` where the recording names no
-/// payload, or says the inertia itself.
+/// As [`predict`], or [`forecast`] with `first` samples, and with the link's inertia fitted; `None` where the recording
+/// names no payload or says the inertia itself, and where the prediction runs away.
 ///
 /// # Errors
 /// As [`forecast`].
@@ -139,17 +150,14 @@ pub fn carrying(
     let Some(payload) = recording.payload.clone() else {
         return Ok(None);
     };
-    let first = first.map(NonZeroUsize::get);
-    let mut experiments = vec![Experiment::of(model, recording.clone())?];
+    let replay = first.map_or(Replay::InWindows, |first| Replay::FromFirst(first.get()));
+    let (experiments, first) = replayed(model, recording.clone(), replay)?;
     if experiments[0].known.says_inertia() {
         return Ok(None);
     }
-    if first.is_some() {
-        experiments[0].windows.clear();
-    }
     let left = left(model, &[], &experiments, (first, true));
     let score = score_of(&experiments[0], &left.residuals[0], left.noise, first);
-    // Where the motion with no inertia stays finite, nothing is told of it.
+    // Of a motion that runs away with every inertia nothing is told.
     let is_told = score.rms_over_noise.is_finite();
     Ok(is_told.then_some(Carrying {
         payload,

@@ -163,7 +163,8 @@ impl Engine {
         let guard = joint.report.as_ref().map(|report| &report.guard);
         let fault = guard.and_then(|guard| guard.fault_of(Quantity::MotorPosition));
         let heard = joint.began && joint.hearing == Hearing::Heard;
-        // While others come, a reading that is no number is missing, and no more.
+        // A reading that is no number is one that is missing: it is told where the motor side is not heard, and any other
+        // fault where it is.
         if let Some(fault) = fault.filter(|&fault| heard != (fault == Fault::NotFinite)) {
             return Err(not_ready(at_fault("its motor side", fault)));
         }

@@ -65,6 +65,13 @@ pub(super) fn start<const PARAMETERS: usize>((from, to): (f64, f64)) -> Vec<f64>
     values
 }
 
+/// The neutral laws over the position of the drive and of the link.
+pub(super) fn over_position(scales: &Scales) -> Vec<Vec<f64>> {
+    [scales.visited_motor_position(), scales.visited_position()]
+        .map(start::<PARAMETERS>)
+        .to_vec()
+}
+
 /// Ordinates, and the ends of the range.
 pub(super) fn split(values: &[f64]) -> (&[f64], f64, f64) {
     match values {

@@ -1,6 +1,6 @@
 //! Damping of any shape over the position.
 
-use super::learned::{PARAMETERS, ordinate, parameters, spline, split, start};
+use super::learned::{PARAMETERS, ordinate, over_position, parameters, spline, split};
 use super::{Effect, Force, Law, Memory, Motion, Place, Property, Quantity, Slot, Spline};
 
 struct OverPosition {
@@ -47,9 +47,5 @@ pub const LEARNED_POSITION_DAMPING: Effect = Effect {
             corners: has_corners.then_some((from, to)),
         }))
     },
-    starts: |scales| {
-        [scales.visited_motor_position(), scales.visited_position()]
-            .map(start::<PARAMETERS>)
-            .to_vec()
-    },
+    starts: over_position,
 };

@@ -1,6 +1,6 @@
 //! A force of any shape over the position.
 
-use super::learned::{PARAMETERS, ordinate, parameters, spline, start};
+use super::learned::{PARAMETERS, ordinate, over_position, parameters, spline};
 use super::{Effect, Force, Law, Memory, Motion, Place, Property, Quantity, Slot, Spline};
 
 struct OverPosition(Spline);
@@ -33,9 +33,5 @@ pub const LEARNED_POSITION_FORCE: Effect = Effect {
     ),
     properties: &[Property::Slot(Slot::PositionForce)],
     law: |p| Law::Force(Box::new(OverPosition(spline(p)))),
-    starts: |scales| {
-        [scales.visited_motor_position(), scales.visited_position()]
-            .map(start::<PARAMETERS>)
-            .to_vec()
-    },
+    starts: over_position,
 };

@@ -54,8 +54,8 @@ pub(super) struct Imu {
     pub acceleration: [f64; 3],
 }
 
-/// Reads `sensor_msgs/msg/JointState`; `None` where the bytes are malformed. A
-/// message without positions is valid and empty.
+/// Reads `sensor_msgs/msg/JointState`; `None` where the bytes are malformed. A message without positions is
+/// valid and empty.
 pub(super) fn joint_state(bytes: &[u8]) -> Option<JointState<'_>> {
     let mut from = Decoder::new(bytes).ok()?;
     let stamp = header(&mut from)?;

@@ -113,7 +113,7 @@ impl JointTick {
 
     /// Whether its motor side sends at `now` (s), and what it sends is no number.
     pub fn sends_no_number(&self, now: f64) -> bool {
-        let sensor = self.guard.report().lacks_number(Quantity::MotorPosition);
+        let sensor = self.guard.report().without_number(Quantity::MotorPosition);
         sensor.is_some_and(|sensor| now - sensor.heard < 0.5 * self.hearing.timeout())
     }
 
