@@ -143,6 +143,21 @@ proptest! {
     }
 }
 
+/// Where the last samples of a plan are between those of the move, a position is beside the plan by the interpolation's error.
+#[test]
+fn a_feed_that_rises_at_the_end_keeps_the_limits() {
+    let data = tempfile::tempdir().expect("a folder");
+    let mut world = World::commanded(config(data.path()), false);
+    shaped_by(&mut world, None);
+    world.go(0.958_230_345_330_781);
+    world.steps(42);
+    feed(&mut world, 85.691_408_786_831_25);
+    world.steps(97);
+    feed(&mut world, 100.0);
+    world.steps(300);
+    assert_eq!(first_beyond_limits(&world.sent(), false), None);
+}
+
 /// Someone slows the robot and turns it: it brakes as it can, and then goes at the feed.
 #[test]
 fn a_turn_at_a_low_feed_brakes_with_the_whole_limits() {

@@ -423,6 +423,10 @@ pub fn first_beyond_limits(sent: &[Sent], timed: bool) -> Option<String> {
     pairs.find_map(|pair| beyond_limits(pair[0], pair[1], timed))
 }
 
+/// How far a position between two samples (`AxisState::between`) may be beside a plan of bounded jerk `j`, in `j h^3`: the
+/// greatest integral of the absolute Peano kernel of the quintic Hermite interpolation, which is at half the period.
+const QUINTIC: f64 = 0.006_185;
+
 /// The fault of two setpoints in succession that no plan within the limits makes, in words.
 pub fn beyond_limits(before: Sent, now: Sent, timed: bool) -> Option<String> {
     use quell::service::bridged::bridged;
@@ -448,8 +452,10 @@ pub fn beyond_limits(before: Sent, now: Sent, timed: bool) -> Option<String> {
             false => {
                 let change = (to.acceleration - from.acceleration) / gone;
                 let mean = 0.5 * (from.velocity + to.velocity);
-                // The trapezoidal rule's error where the jerk is bounded, and that of velocities between two samples.
-                let bound = jerk * gone.powi(3) * (1.0 / 12.0 + 1.0 / 8.0) * allowed + 1e-13;
+                // The trapezoidal rule's error where the jerk is bounded, and those of velocities and of the two
+                // positions between two samples.
+                let parts = 1.0 / 12.0 + 1.0 / 8.0 + 2.0 * QUINTIC;
+                let bound = jerk * gone.powi(3) * parts * allowed + 1e-13;
                 too_much("jerk", change, jerk * allowed + 1e-6)
                     .or_else(|| too_much("jump", way - gone * mean, bound))
             }
