@@ -6,6 +6,7 @@ use quell::effects::{Effect, Place, Scales};
 use quell::model::StartComponent::{Deformation, DeformationRate, MotorPosition, MotorVelocity};
 use quell::model::{Departure, Experiment, Term, simulate};
 use quell::recording::{Recording, Role};
+use quell::signal::SingularValues;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -176,8 +177,7 @@ fn solve(vector: &DVector<f64>, columns: &[DVector<f64>]) -> (DVector<f64>, f64)
     let norms: Vec<f64> = columns.iter().map(|c| c.norm().max(1e-300)).collect();
     let scaled: Vec<DVector<f64>> = columns.iter().zip(&norms).map(|(c, n)| c / *n).collect();
     let matrix = DMatrix::from_columns(&scaled);
-    let decomposed = matrix.clone().svd(true, true);
-    let solved = decomposed.solve(vector, 1e-9).unwrap();
+    let solved = SingularValues::of(&matrix).unwrap().solve(vector, 1e-9);
     let left = (vector - &matrix * &solved).norm();
     let own = |k: usize, _| solved[k] / norms[k];
     (DVector::from_fn(solved.len(), own), left)

@@ -11,7 +11,7 @@ use super::split;
 use super::start::ringing;
 use nalgebra::DVector;
 use quell_model::{Model, StartComponent};
-use quell_signal::singular_values;
+use quell_signal::SingularValues;
 use std::sync::Arc;
 
 /// Most steps of the fit of starts, clocks and frames of a recording kept apart. Three are usually enough;
@@ -143,7 +143,7 @@ impl Problem<'_> {
 
     /// Coefficients of the linear nuisances of one experiment, output by output.
     pub fn coefficients(&self, e: usize, rows: &DVector<f64>) -> Vec<f64> {
-        let solved = singular_values(self.linear(e)).and_then(|own| own.solve(rows, 1e-10).ok());
-        solved.map_or_else(Vec::new, |coefficients| coefficients.data.into())
+        let factors = SingularValues::of(&self.linear(e));
+        factors.map_or_else(Vec::new, |own| own.solve(rows, 1e-10).data.into())
     }
 }

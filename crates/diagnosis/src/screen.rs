@@ -16,7 +16,7 @@ use super::run_of::Run;
 use nalgebra::{Cholesky, Complex, DMatrix, DVector};
 use quell_model::Term;
 use quell_model::effects::{Effect, LEARNED, Law, Place, Scales, Slot};
-use quell_signal::singular_values;
+use quell_signal::SingularValues;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -351,10 +351,9 @@ fn steps(directions: &DMatrix<f64>) -> DMatrix<f64> {
     }
     let product = scaled.tr_mul(&scaled);
     // Linearly dependent directions share a step.
-    let inverse = singular_values(product).and_then(|own| own.pseudo_inverse(1e-9).ok());
-    let mut steps = match inverse {
+    let mut steps = match SingularValues::of(&product) {
         None => DMatrix::zeros(directions.ncols(), directions.nrows()),
-        Some(inverse) => inverse * scaled.transpose(),
+        Some(own) => own.pseudo_inverse(1e-9) * scaled.transpose(),
     };
     for (k, mut row) in steps.row_iter_mut().enumerate() {
         row *= scale(k);

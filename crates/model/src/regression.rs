@@ -1,7 +1,7 @@
 //! Least squares of a reading on several causes and an offset.
 
-use nalgebra::{DMatrix, DVector, Dyn, SVD};
-use quell_signal::singular_values;
+use nalgebra::{DMatrix, DVector};
+use quell_signal::SingularValues;
 
 /// Ratio of singular values below which causes vary together.
 const TOGETHER: f64 = 1e-9;
@@ -10,7 +10,7 @@ const TOGETHER: f64 = 1e-9;
 pub(super) struct Regression {
     /// Without their means, of equal length, so that the units do not matter.
     causes: DMatrix<f64>,
-    factors: SVD<f64, Dyn, Dyn>,
+    factors: SingularValues,
     /// Length of the first cause without its mean.
     length: f64,
 }
@@ -36,7 +36,7 @@ impl Regression {
             .map(|own| own / own.norm().max(f64::MIN_POSITIVE));
         let causes = DMatrix::from_columns(&scaled.collect::<Vec<_>>());
         Some(Self {
-            factors: singular_values(causes.clone())?,
+            factors: SingularValues::of(&causes)?,
             causes,
             length,
         })
@@ -45,13 +45,10 @@ impl Regression {
     /// The slope of a reading; `None` where the first cause does not vary.
     pub fn slope(&self, reading: &[f64]) -> Option<Slope> {
         let reading = centred(reading);
-        let solved = self.factors.solve(&reading, TOGETHER).ok()?;
+        let solved = self.factors.solve(&reading, TOGETHER);
         let value = solved[0] / self.length;
         let left = (&reading - &self.causes * &solved).norm_squared() / reading.len() as f64;
-        let turned = self.factors.v_t.as_ref()?;
-        let sizes = self.factors.singular_values.iter().enumerate();
-        let known = sizes.filter(|(_, size)| **size > TOGETHER);
-        let unit: f64 = known.map(|(k, size)| (turned[(k, 0)] / size).powi(2)).sum();
+        let unit = self.factors.inverted(TOGETHER).row(0).norm_squared();
         value.is_finite().then_some(Slope {
             value,
             variance: left * unit / self.length.powi(2),

@@ -42,7 +42,7 @@ pub use measurement::Measurement;
 pub use noise::{NoiseFloor, noise_floor, quantisation_step};
 pub use registration::{Registration, kabsch};
 pub use rest::{Motion, Phase, RestDetector, RestRule, free_decays, phases};
-pub use singular_values::singular_values;
+pub use singular_values::SingularValues;
 pub use spectrum::{Peak, Spectrum, Window, spectrum};
 pub use spline::{CubicSpline, End, check_knots};
 pub use tip_registration::TipRegistration;

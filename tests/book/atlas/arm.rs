@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use quell::effects::{Coordinate, EFFECTS, Effect, Law, Place, Quantity, Scales, Units, Visited};
 use quell::model::{Departure, Experiment, Model, Term, simulate};
 use quell::recording::{Channel, Recording, Role};
+use quell::signal::SingularValues;
 use std::f64::consts::TAU;
 
 const RATE: f64 = 500.0;
@@ -245,7 +246,7 @@ pub fn without(series: &DVector<f64>, columns: &[DVector<f64>]) -> DVector<f64> 
         .map(|own| own / own.norm().max(f64::MIN_POSITIVE))
         .collect();
     let matrix = DMatrix::from_columns(&scaled);
-    let solved = matrix.clone().svd(true, true).solve(series, 1e-9).unwrap();
+    let solved = SingularValues::of(&matrix).unwrap().solve(series, 1e-9);
     series - matrix * solved
 }
 
