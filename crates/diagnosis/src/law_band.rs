@@ -156,13 +156,10 @@ impl Drawn<'_> {
     }
 }
 
-/// Visited range of the coordinate of a slot: that of its learned law, whose starts depend on the place.
+/// Visited range of the coordinate of a slot: that of its learned law.
 fn visited(slot: Slot, place: Place, scales: &Scales) -> Option<(f64, f64)> {
     let learned = LEARNED.iter().find(|effect| effect.slot() == Some(slot))?;
-    let index = learned.places.iter().position(|own| *own == place);
-    let start = (learned.starts)(scales)
-        .into_iter()
-        .nth(index.unwrap_or(0))?;
+    let start = learned.starts_at(place, scales).swap_remove(0);
     match start[..] {
         [.., from, to] => Some((from, to)),
         _ => None,

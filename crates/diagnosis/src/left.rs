@@ -17,11 +17,14 @@ const CHANCE: f64 = 3.0;
 
 impl Judge<'_> {
     /// Whether the residual of an explanation is noise. Possible errors of its laws' shapes are allowed for in
-    /// the fitted rows; errors of the fit and rounding at rest in the held-out rows.
+    /// the fitted rows; errors of the fit and rounding at rest in the held-out rows. A learned law may be uncertain enough
+    /// there to allow for anything, as one over the position in a move that passes each position once, so its residual there must
+    /// be no certain mismatch either.
     pub fn leaves_noise(&self, own: &Explanation) -> bool {
         let beyond = own.evidence.held_out_beyond_fit();
         own.evidence.left() <= most_of_noise(self.train_rows)
             && beyond <= most_of_noise(self.held_out_rows) + self.rounding
+            && !(own.is_learned() && own.held_out > certain(self.held_out_rows) + self.rounding)
     }
 }
 
@@ -55,6 +58,11 @@ impl Search<'_> {
         let below = |chi: f64, rows: usize| chi <= times * times * rows as f64;
         below(own.train, self.judge.train_rows) && below(own.held_out, self.judge.held_out_rows)
     }
+}
+
+/// Least chi-squared of a certain mismatch in as many rows.
+fn certain(rows: usize) -> f64 {
+    CERTAIN * CERTAIN * rows as f64
 }
 
 /// Largest chi-squared of noise in as many rows. Its level is known within a tenth, and the chi-squared of `n` rows has

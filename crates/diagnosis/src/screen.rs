@@ -190,12 +190,17 @@ impl<'a> Screen<'a> {
         self.change(again)
     }
 
-    /// An effect at its place with the values of its grid. An event has a grid for each recording.
+    /// An effect at its place with the values of its grid, a learned law with the range of that place. What happened in a
+    /// recording has a grid for each.
     fn starts(&self, effect: &'static Effect, place: Place) -> Vec<Term> {
         let problem = self.problem;
         let of = |scales: &Scales, recording: Option<usize>| -> Vec<Term> {
             let term = |values| Term::new(effect, place, values).in_recording(recording);
-            (effect.starts)(scales).into_iter().map(term).collect()
+            effect
+                .starts_at(place, scales)
+                .into_iter()
+                .map(term)
+                .collect()
         };
         match effect.happens() {
             true => {
@@ -232,17 +237,20 @@ impl<'a> Screen<'a> {
         starts
     }
 
-    /// A learned law with its likeliest curve in first order, for each range of its knots.
+    /// A learned law with its likeliest curve in first order, at the resolution of the highest evidence; of a law of each
+    /// recording, the one that gains most.
     fn curves(&self, effect: &'static Effect, place: Place) -> Vec<Start> {
-        let starts = self.starts(effect, place).into_iter();
-        starts
-            .filter_map(|neutral| self.curve(neutral))
-            .max_by(|a, b| a.score.total_cmp(&b.score))
-            .into_iter()
-            .collect()
+        let finest = effect.resolutions().filter_map(|own| {
+            let neutral = self.starts(own, place).into_iter();
+            let curves = neutral.filter_map(|neutral| self.curve(neutral));
+            curves.max_by(|a, b| a.0.score.total_cmp(&b.0.score))
+        });
+        let best = finest.max_by(|a, b| a.1.total_cmp(&b.1));
+        best.map(|own| own.0).into_iter().collect()
     }
 
-    fn curve(&self, neutral: Term) -> Option<Start> {
+    /// A curve in first order, and the logarithm of its evidence.
+    fn curve(&self, neutral: Term) -> Option<(Start, f64)> {
         let effect = neutral.effect;
         let ordinates = ordinates(effect);
         let step = FINE * size(&self.problem.scales, effect);
@@ -265,7 +273,8 @@ impl<'a> Screen<'a> {
         // The residual is known no better than its own size allows.
         let unit = (self.residual.norm_squared() / self.residual.len() as f64).max(1.0);
         let normal = slopes.tr_mul(&slopes) + DMatrix::identity(count, count) * unit;
-        let white = -Cholesky::new(normal)?.solve(&gradient);
+        let factors = Cholesky::new(normal / unit)?;
+        let white = -factors.solve(&gradient) / unit;
         let values = root * &white;
         let mut start = neutral;
         let (low, high) = (effect.parameters[ordinates[0]].bounds)(&self.problem.scales);
@@ -273,11 +282,13 @@ impl<'a> Screen<'a> {
             start.values[index] = value.clamp(low, high);
         }
         let score = -white.dot(&gradient);
-        score.is_finite().then_some(Start {
+        let start = Start {
             term: start,
             score,
             factor: 1.0,
-        })
+        };
+        let evidence = 0.5 * (score / unit - factors.ln_determinant());
+        evidence.is_finite().then_some((start, evidence))
     }
 
     /// Expected gain of a candidate, and the factor of its size.

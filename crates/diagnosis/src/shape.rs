@@ -50,7 +50,7 @@ impl Corrections {
             };
             let neutral = Term {
                 effect,
-                values: (effect.starts)(&problem.scales).swap_remove(0),
+                values: effect.starts_at(term.place, &problem.scales).swap_remove(0),
                 ..term.clone()
             };
             let mut own = Correction {

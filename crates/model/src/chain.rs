@@ -250,7 +250,9 @@ impl Chain {
             } else {
                 // Negative within a step that ends at a stop: the level continues without a corner.
                 let speed = element.slides * coordinate(attachment, motion)[1];
-                let force = element.law.level(element.slides, speed);
+                let force = element
+                    .law
+                    .level(element.slides, position(attachment, motion), speed);
                 bodies.resist(attachment, unit * element.slides * force, ratio);
             }
         }
@@ -353,6 +355,15 @@ impl Constants {
             Attachment::Across => self.mobility[0] + self.mobility[1],
             Attachment::Link => self.mobility[1],
         }
+    }
+}
+
+/// Position of the axis on which friction at an attachment may depend: of the link where that slides, else of the motor side.
+#[inline(always)]
+pub(super) fn position(attachment: Attachment, motion: &Motion) -> f64 {
+    match attachment {
+        Attachment::Motor | Attachment::Across => motion.motor[0],
+        Attachment::Link => motion.link[0],
     }
 }
 

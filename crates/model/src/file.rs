@@ -242,10 +242,11 @@ fn effect(
     let mut given_table = given.table(source)?;
     given_table.anchor(&entry);
     if effect.is_learned() {
+        let (effect, parameters) = learned::parameters(source, effect, given_table)?;
         return Ok(ModelEffect {
             effect,
             place,
-            parameters: learned::parameters(source, effect, given_table)?,
+            parameters,
         });
     }
     let mut parameters = Vec::new();

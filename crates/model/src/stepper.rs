@@ -12,8 +12,8 @@
 mod events;
 
 use super::attachment::{ATTACHMENTS, Attachment};
-use super::chain::{Chain, Constants, Instant, State, coordinate};
-use super::effects::Change;
+use super::chain::{Chain, Constants, Instant, State, coordinate, position};
+use super::effects::{Change, Motion};
 use super::runge_kutta::{Span, Step, Trial, Whole, steps};
 use super::trace::Trace;
 
@@ -43,8 +43,11 @@ pub(super) struct Stepper<'a> {
     given: bool,
     /// Corners of forces: index, sign of the switching function.
     corners: Vec<(usize, f64)>,
-    /// Breakaway force of an attachment in either direction, in the equation's unit, where it has friction.
+    /// Breakaway force of an attachment in either direction at the start of a step, in the equation's unit, where it has friction. An
+    /// attachment that sticks stays at its position.
     breakaway: [Option<[f64; 2]>; 3],
+    /// Whether that depends on the position.
+    varies: bool,
     /// Dependence of an attachment's friction on the speed, if it is slow enough for the steps.
     falls: [Option<Fall>; 3],
     /// 0 sticks, otherwise the sign of the slip velocity.
@@ -87,16 +90,9 @@ impl<'a> Stepper<'a> {
             }
         }
         let falls = falls(chain, &constants, h);
-        let mut breakaway = [None; 3];
-        for element in &chain.frictions {
-            let attachment = chain.attachment(element.place) as usize;
-            let [up, down] = breakaway[attachment].unwrap_or([0.0; 2]);
-            let own = element
-                .law
-                .breakaway
-                .map(|force| force * chain.linear.unit_force);
-            breakaway[attachment] = Some([up + own[0], down + own[1]]);
-        }
+        let breakaway = breakaway(chain, &motion);
+        let mut laws = chain.frictions.iter().map(|element| &element.law);
+        let varies = laws.any(|law| law.varies());
         let (step, whole) = steps(chain);
         Self {
             smooth: corners.is_empty() && chain.frictions.is_empty(),
@@ -108,6 +104,7 @@ impl<'a> Stepper<'a> {
             whole,
             corners,
             breakaway,
+            varies,
             falls,
             slides: [0.0; 3],
         }
@@ -133,6 +130,9 @@ impl<'a> Stepper<'a> {
             .chain
             .position::<true>(&self.constants, time, state, input)
             .motion;
+        if self.varies {
+            self.breakaway = breakaway(self.chain, &motion);
+        }
         for attachment in self.rough() {
             let rate = coordinate(attachment, &motion)[1];
             if rate.abs() > ROUNDING * (motion.motor[1].abs() + motion.link[1].abs()) {
@@ -346,6 +346,19 @@ impl<'a> Stepper<'a> {
             *side = value.map_or(*side, sign);
         }
     }
+}
+
+/// Breakaway force of each attachment that has friction, in either direction.
+fn breakaway(chain: &Chain, motion: &Motion) -> [Option<[f64; 2]>; 3] {
+    let mut found = [None; 3];
+    for element in &chain.frictions {
+        let attachment = chain.attachment(element.place);
+        let own = element.law.breakaway_at(position(attachment, motion));
+        let [up, down] = found[attachment as usize].unwrap_or([0.0; 2]);
+        let unit = chain.linear.unit_force;
+        found[attachment as usize] = Some([up + unit * own[0], down + unit * own[1]]);
+    }
+    found
 }
 
 /// Dependence of each attachment's friction on the speed. Stribeck velocities that are too small for steps of

@@ -116,6 +116,11 @@ fn state_of(slot: Slot, place: Place, x: f64) -> (State, f64) {
         (Slot::Friction, _) => state[3] = x,
         (Slot::PositionForce, Place::Drive) => (state[0], state[2]) = (x, x),
         (Slot::Hysteresis, Place::Drive) => state[0] = x,
+        (Slot::PositionFriction, Place::Drive) => (state[0], state[1]) = (x, 1.0),
+        (Slot::PositionFriction, Place::Transmission) => {
+            (state[0], state[2], state[3]) = (x, x, 1.0)
+        }
+        (Slot::PositionFriction, _) => (state[2], state[3]) = (x, 1.0),
         (Slot::PositionDamping, Place::Drive) => (state[0], state[1]) = (x, 1.0),
         (Slot::PositionDamping, _) => (state[2], state[3]) = (x, 1.0),
         (Slot::StiffnessDrift, _) => (state[2], time) = (1.0, x),

@@ -243,6 +243,8 @@ proptest! {
         prop_assert!(side * (over(far) - over(near)) >= 0.0);
         prop_assert!(motion.damping + at("learned_damping", far, 1.0) >= 0.0);
         prop_assert!(at("learned_position_damping", far, 1.0) >= 0.0);
+        let Law::Friction(friction) = law_of("learned_position_friction", &values) else { panic!() };
+        prop_assert!(friction.level(side, far, 1.0) >= 0.0);
         let later = Motion { time: far, ..motion };
         prop_assert!(1.0 + force_of(&law_of("learned_drift", &values), &later, 1.0, 0.0) > 0.0);
         let Law::Drive(drive) = law_of("learned_drive", &values) else { panic!() };

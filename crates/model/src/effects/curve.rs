@@ -30,12 +30,13 @@ fn value(slot: Slot, law: &Law, at: &Motion, point: f64) -> Option<f64> {
         (Slot::Friction, Law::Force(law)) => law.force(at, 0.0, point, &Memory::default()),
         (Slot::Friction, Law::Friction(_)) if point == 0.0 => 0.0,
         (Slot::Friction, Law::Friction(law)) => {
-            point.signum() * law.level(point.signum(), point.abs())
+            point.signum() * law.level(point.signum(), 0.0, point.abs())
         }
         (Slot::Damping, Law::Force(law)) => {
             let force = |v: f64| law.force(at, point, v, &Memory::default());
             force(1.0) - force(0.0)
         }
+        (Slot::PositionFriction, Law::Friction(law)) => law.level(1.0, point, 0.0),
         (Slot::PositionDamping, Law::Force(law)) => law.force(at, point, 1.0, &Memory::default()),
         (Slot::StiffnessDrift, Law::Force(law)) => {
             law.force(&now, 1.0, 0.0, &Memory::default()) / at.stiffness

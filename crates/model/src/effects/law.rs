@@ -74,7 +74,7 @@ pub trait Force: Send + Sync {
 }
 
 /// Dry friction between two sides that stick until the force that holds them exceeds `breakaway`,
-/// and slide against `F_c + (F_s - F_c) exp(-(v / v_s)^2)`, or against a level that is a curve over the speed.
+/// and slide against `F_c + (F_s - F_c) exp(-(v / v_s)^2)`, or against a level that is a curve over the speed or over the position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Friction {
     /// Kinetic friction `F_c` for positive and for negative slip velocity, force, at least 0.
@@ -85,9 +85,17 @@ pub struct Friction {
     pub stribeck_velocity: f64,
     /// Velocity `v_0` of friction that grows as `F_c tanh(v / v_0)` and does not stick; 0 where it jumps.
     pub transition_velocity: f64,
-    /// Levels over the speed for positive and for negative slip velocity, instead of the above; negative values
-    /// count as 0.
-    pub levels: Option<Box<[Spline; 2]>>,
+    /// Levels that are curves, instead of the above; negative values count as 0.
+    pub levels: Option<Box<Levels>>,
+}
+
+/// Levels of friction that are curves.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Levels {
+    /// Over the speed, for positive and for negative slip velocity.
+    OverSpeed([Spline; 2]),
+    /// Over the position, at rest and at any speed.
+    OverPosition(Spline),
 }
 
 /// Change of the friction level with the speed.
@@ -119,13 +127,38 @@ impl Friction {
             breakaway: at_rest,
             stribeck_velocity: 1.0,
             transition_velocity: 0.0,
-            levels: Some(Box::new(levels)),
+            levels: Some(Box::new(Levels::OverSpeed(levels))),
         }
+    }
+
+    /// Friction with this level over the position, the same in both directions and at all speeds.
+    pub fn over_position(level: Spline) -> Self {
+        Self {
+            kinetic: [0.0; 2],
+            breakaway: [0.0; 2],
+            stribeck_velocity: 1.0,
+            transition_velocity: 0.0,
+            levels: Some(Box::new(Levels::OverPosition(level))),
+        }
+    }
+
+    /// Force at which sticking ends in each direction at a position.
+    #[inline]
+    pub(crate) fn breakaway_at(&self, position: f64) -> [f64; 2] {
+        match self.levels.as_deref() {
+            Some(Levels::OverPosition(level)) => [level.nearest(position).max(0.0); 2],
+            _ => self.breakaway,
+        }
+    }
+
+    /// Whether the force at which sticking ends depends on the position.
+    pub(crate) fn varies(&self) -> bool {
+        matches!(self.levels.as_deref(), Some(Levels::OverPosition(_)))
     }
 
     /// Change of the level with the speed; [`Change::NONE`] for a constant level.
     pub(crate) fn change(&self) -> Change {
-        if let Some(levels) = &self.levels {
+        if let Some(Levels::OverSpeed(levels)) = self.levels.as_deref() {
             return levels.iter().fold(Change::NONE, |most, level| Change {
                 step: most.step.min(0.5 * level.spacing()),
                 force: most.force.max(level.steepest_fall()),
@@ -150,13 +183,15 @@ impl Friction {
         }
     }
 
-    /// Level at a slip speed in the direction of `sign`.
+    /// Level at a position and a slip speed in the direction of `sign`.
     #[inline]
-    pub fn level(&self, sign: f64, speed: f64) -> f64 {
+    pub fn level(&self, sign: f64, position: f64, speed: f64) -> f64 {
         let side = usize::from(sign < 0.0);
         let (kinetic, breakaway) = (self.kinetic[side], self.breakaway[side]);
-        if let Some(levels) = &self.levels {
-            return levels[side].value(speed).max(0.0);
+        match self.levels.as_deref() {
+            Some(Levels::OverSpeed(levels)) => return levels[side].value(speed).max(0.0),
+            Some(Levels::OverPosition(level)) => return level.nearest(position).max(0.0),
+            None => {}
         }
         if self.transition_velocity > 0.0 {
             return kinetic * (speed / self.transition_velocity).tanh();

@@ -8,9 +8,14 @@ pub const KNOTS: usize = 12;
 /// Its parameters: the ordinates, in the order of their knots, and the two ends of the range.
 pub(super) const PARAMETERS: usize = KNOTS + 2;
 
+/// Parameters of a law with [finer knots](super::Property::Finer): the spaces between the knots in thirds.
+pub(super) const FINER: usize = 3 * (KNOTS - 1) + 1 + 2;
+
 /// Names of ordinates in a table of parameters; a file contains them as one list.
-const NAMES: [&str; KNOTS] = [
-    "y0", "y1", "y2", "y3", "y4", "y5", "y6", "y7", "y8", "y9", "y10", "y11",
+const NAMES: [&str; FINER - 2] = [
+    "y0", "y1", "y2", "y3", "y4", "y5", "y6", "y7", "y8", "y9", "y10", "y11", "y12", "y13", "y14",
+    "y15", "y16", "y17", "y18", "y19", "y20", "y21", "y22", "y23", "y24", "y25", "y26", "y27",
+    "y28", "y29", "y30", "y31", "y32", "y33",
 ];
 
 /// An ordinate of a law; [`parameters`] sets its name.
@@ -66,7 +71,7 @@ pub(super) fn start<const PARAMETERS: usize>((from, to): (f64, f64)) -> Vec<f64>
 }
 
 /// The neutral laws over the position of the drive and of the link.
-pub(super) fn over_position(scales: &Scales) -> Vec<Vec<f64>> {
+pub(super) fn over_position<const PARAMETERS: usize>(scales: &Scales) -> Vec<Vec<f64>> {
     [scales.visited_motor_position(), scales.visited_position()]
         .map(start::<PARAMETERS>)
         .to_vec()

@@ -39,6 +39,7 @@ mod learned_frequency;
 mod learned_friction;
 mod learned_position_damping;
 mod learned_position_force;
+mod learned_position_friction;
 mod learned_sensor;
 mod learned_sensor_drift;
 mod learned_spring;
@@ -80,7 +81,8 @@ pub use catalogue::{Catalogue, words};
 pub use curve::curve;
 pub(crate) use law::Change;
 pub use law::{
-    Drive, Force, Friction, Inertia, Law, Memory, Motion, Reading, Resonance, STATES, Sensor,
+    Drive, Force, Friction, Inertia, Law, Levels, Memory, Motion, Reading, Resonance, STATES,
+    Sensor,
 };
 pub use learned::KNOTS;
 pub use likeness::{LIKENESSES, Likeness};
@@ -209,6 +211,7 @@ pub const LEARNED: &[&Effect] = &[
     &learned_friction::LEARNED_FRICTION,
     &learned_position_force::LEARNED_POSITION_FORCE,
     &learned_position_damping::LEARNED_POSITION_DAMPING,
+    &learned_position_friction::LEARNED_POSITION_FRICTION,
     &learned_drive::LEARNED_DRIVE,
     &learned_spring::LEARNED_SPRING,
     &learned_damping::LEARNED_DAMPING,
@@ -228,6 +231,16 @@ impl Effect {
     /// Values at which the effect vanishes.
     pub fn neutral(&self) -> Vec<f64> {
         self.parameters.iter().map(|p| p.neutral).collect()
+    }
+
+    /// Values to try first at one of its places: of a learned law, the neutral one over the range visited there.
+    pub fn starts_at(&self, place: Place, scales: &Scales) -> Vec<Vec<f64>> {
+        let mut all = (self.starts)(scales);
+        let own = self.places.iter().position(|own| *own == place);
+        match own.filter(|_| self.is_learned()) {
+            Some(own) => vec![all.swap_remove(own)],
+            None => all,
+        }
     }
 
     /// Index of the first parameter of this role.

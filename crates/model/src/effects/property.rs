@@ -34,6 +34,8 @@ pub enum Property {
     ShiftsStamps,
     /// It is a static law: a curve over the coordinate of this slot.
     Slot(Slot),
+    /// The same learned law with finer knots, for shapes that its own knots do not resolve.
+    Finer(&'static Effect),
     /// It is a wrong scale: a tracker with it shows the same angles about the joint, and another radius.
     WrongScale,
 }
@@ -142,6 +144,15 @@ impl Effect {
             Property::Slot(slot) => Some(*slot),
             _ => None,
         })
+    }
+
+    /// The learned law with its own knots, and with finer ones where it has such.
+    pub fn resolutions(&'static self) -> impl Iterator<Item = &'static Self> {
+        let finer = self.properties.iter().find_map(|own| match own {
+            Property::Finer(finer) => Some(*finer),
+            _ => None,
+        });
+        std::iter::once(self).chain(finer)
     }
 
     /// Whether it is a damper between link and ground.

@@ -34,6 +34,8 @@ pub enum Slot {
     PositionForce,
     /// Damping coefficient over the position.
     PositionDamping,
+    /// Level of dry friction over the position.
+    PositionFriction,
     /// Addition of the drive to its input, over the input.
     Drive,
     /// Addition of the sensor to its reading, over the reading.
@@ -85,6 +87,13 @@ const SLOTS: &[(Slot, &str, Coordinate, &str, Quantity)] = &[
         Coordinate::Position,
         "damping coefficient",
         Quantity::new(1, -1, 1),
+    ),
+    (
+        Slot::PositionFriction,
+        "friction over position",
+        Coordinate::Position,
+        "friction",
+        Quantity::FORCE,
     ),
     (
         Slot::Drive,

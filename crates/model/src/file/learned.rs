@@ -9,20 +9,27 @@ use crate::effects::{Parameter, ParameterRole};
 /// The key of the list.
 pub const VALUES: &str = "values";
 
-/// Reads all parameters of a learned law.
+/// Reads all parameters of a learned law, with as many knots as the file has values.
 pub fn parameters(
     source: &Source,
     effect: &'static Effect,
     mut table: Table,
-) -> Result<Vec<Value>, ModelError> {
+) -> Result<(&'static Effect, Vec<Value>), ModelError> {
     let is_end = |parameter: &&Parameter| parameter.role == ParameterRole::Range;
     let list = table.take(VALUES).ok_or_else(|| table.missing(VALUES))?;
     let entries = list.list(source)?;
-    let knots = effect.parameters.len() - effect.parameters.iter().filter(is_end).count();
-    if entries.len() != knots {
-        let reason = format!("{} values; {} has {knots}", entries.len(), effect.name);
-        return Err(list.refuse(source, reason));
-    }
+    let knots = |own: &Effect| own.parameters.iter().filter(|p| !is_end(p)).count();
+    let Some(effect) = effect.resolutions().find(|own| knots(own) == entries.len()) else {
+        let known: Vec<_> = effect
+            .resolutions()
+            .map(|own| knots(own).to_string())
+            .collect();
+        let (found, known) = (entries.len(), known.join(" or "));
+        return Err(list.refuse(
+            source,
+            format!("{found} values; {} has {known}", effect.name),
+        ));
+    };
     let mut ordinates = entries.iter();
     let (mut parameters, mut ends) = (Vec::new(), Vec::new());
     for parameter in effect.parameters {
@@ -45,5 +52,5 @@ pub fn parameters(
     }
     let ends = effect.parameters.iter().filter(is_end).map(|p| p.name);
     table.finish(ends.chain([VALUES]))?;
-    Ok(parameters)
+    Ok((effect, parameters))
 }
