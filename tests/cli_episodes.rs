@@ -99,3 +99,110 @@ fn episodes_are_diagnosed_or_refused_with_the_rate_that_it_takes() {
     assert_eq!(refused.status.code(), Some(2));
     assert!(words.contains("has 30 samples a second, and shows a mode of 22 Hz at 8 Hz: record it at more than 44 Hz"), "{words}");
 }
+
+/// A link on a servo at 30 samples a second: states of the servo and of the link, rad, for the same commands.
+/// Both are of second order: the link rings on the servo if it has a mode (Hz, damping ratio).
+fn linked([hertz, damping]: [f64; 2], link: Option<[f64; 2]>) -> Vec<[f64; 3]> {
+    let (fine, pi) = (100, std::f64::consts::PI);
+    let dt = 1.0 / (RATE * fine as f64);
+    let reached = |time: f64, [at, takes, by]: [f64; 3]| {
+        let s = ((time - at) / takes).clamp(0.0, 1.0);
+        by * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
+    };
+    let moves = [
+        [1.0, 0.4, 0.5],
+        [3.5, 0.7, -0.8],
+        [7.0, 0.5, 0.4],
+        [11.0, 1.0, 0.6],
+        [15.0, 0.4, -0.7],
+    ];
+    let (w, [own, xi]) = (2.0 * pi * hertz, link.unwrap_or([1.0, 1.0]));
+    let own = 2.0 * pi * own;
+    let [mut x, mut v, mut d, mut u] = [0.0; 4];
+    let mut rows = Vec::new();
+    for k in 0..SAMPLES {
+        let time = k as f64 / RATE;
+        let command: f64 = moves.iter().map(|one| reached(time, *one)).sum();
+        // Encoders of 12 bits.
+        let seen = |angle: f64| (angle * 4096.0 / (2.0 * pi)).round() * 2.0 * pi / 4096.0;
+        rows.push([command, seen(x), seen(x + d)]);
+        for _ in 0..fine {
+            let a = w * w * (command - x) - 2.0 * damping * w * v;
+            u += dt * (-a * f64::from(link.is_some()) - 2.0 * xi * own * u - own * own * d);
+            d += dt * u;
+            v += dt * a;
+            x += dt * v;
+        }
+    }
+    rows
+}
+
+/// What `quell identify` says of two columns of such a recording: the document, the text, and the model.
+fn identified(columns: [&str; 2], rows: impl Iterator<Item = [f64; 2]>) -> [String; 3] {
+    let folder = TempDir::new().unwrap();
+    let mut text = format!("time_s,{},{}\n", columns[0], columns[1]);
+    for (k, [first, second]) in rows.enumerate() {
+        text += &format!("{},{first},{second}\n", k as f64 / RATE);
+    }
+    std::fs::write(folder.path().join("run.csv"), text).unwrap();
+    let run = |more: &[&str]| {
+        let told = quell(folder.path(), &[&["identify", "run.csv"], more].concat());
+        String::from_utf8(told.stdout).unwrap()
+    };
+    let [document, text] = [run(&["--json"]), run(&[])];
+    let model = std::fs::read_to_string(folder.path().join("out/model.toml")).unwrap();
+    [document, text, model]
+}
+
+/// The response of a servo is no mode of the structure. With the command as the motor side that is told where the mode
+/// stands, with the frequencies that 30 samples a second show.
+#[test]
+fn a_servo_that_follows_its_command_is_not_taken_for_a_mode_of_the_arm() {
+    let json = |text: &str| -> serde_json::Value { serde_json::from_str(text).unwrap() };
+    let columns = ["command_position_rad", "link_position_rad"];
+    for (servo, link, rings) in [
+        ([1.5, 0.7], None, false),
+        ([3.0, 1.1], None, false),
+        ([2.5, 0.15], None, true),
+        ([3.0, 0.7], Some([5.0, 0.02]), true),
+    ] {
+        let rows = linked(servo, link);
+        let [document, text, model] = identified(columns, rows.iter().map(|row| [row[0], row[2]]));
+        let document = json(&document);
+        let best = &document["recommended"];
+        assert_eq!(best["includes_servo"], true, "{best}");
+        let words = match rings && best["may_be_resonance"] == true {
+            true => "This is a mode of servo and link together",
+            false => "This is how the servo follows its command, and no mode of the structure",
+        };
+        assert_eq!(
+            best["may_be_resonance"] == false,
+            words.contains("no mode"),
+            "{best}"
+        );
+        if link.is_none() {
+            assert_eq!(best["may_be_resonance"], rings, "{servo:?} {best}");
+        }
+        let at = text.find("Recommended: ").unwrap();
+        assert!(text[at..].contains(words), "{text}");
+        assert!(model.contains(words), "{model}");
+        assert!(
+            text.contains("to 6.00 Hz. At 30.0 samples a second none above 15.0 Hz can be seen."),
+            "{text}"
+        );
+        assert!((document["nyquist_hz"].as_f64().unwrap() - 15.0).abs() < 1e-6);
+    }
+    // With the motor side's own sensor the servo is no part of the mode.
+    let rows = linked([3.0, 0.7], Some([4.0, 0.03]));
+    let columns = ["motor_position_rad", "link_position_rad"];
+    let [document, text, model] = identified(columns, rows.iter().map(|row| [row[1], row[2]]));
+    let best = &json(&document)["recommended"];
+    assert_eq!(best["includes_servo"], false, "{best}");
+    assert_eq!(best["may_be_resonance"], true, "{best}");
+    assert!(!(text + &model).contains("servo"), "{best}");
+    let mode = &json(&document)["mode"];
+    assert!(
+        (mode["frequency_hz"].as_f64().unwrap() - 4.0).abs() < 0.1,
+        "{mode}"
+    );
+}

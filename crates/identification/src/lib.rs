@@ -9,6 +9,7 @@ pub mod output_only;
 mod prepare;
 pub mod printer;
 mod recommended;
+mod response;
 mod run;
 mod scatter;
 pub mod stop;
@@ -23,6 +24,7 @@ pub use nominal_model::NominalModel;
 pub use prepare::{IdentificationError, Series, prepare};
 pub use quell_model::ModelError;
 pub use recommended::{Recommended, Why};
+pub use response::{NO_RESONANCE, Searched};
 pub use run::{OffLine, OnLine, Run};
 pub use stretches::Stretch;
 pub use told_mode::ToldMode;
@@ -73,6 +75,8 @@ pub struct Identification {
     pub rests: usize,
     /// How many of them were searched for a free decay: all except in a long recording.
     pub rests_looked_at: usize,
+    /// The frequencies among which the mode was looked for.
+    pub searched: Searched,
 }
 
 impl Identification {
@@ -141,7 +145,7 @@ pub fn identify_until(
     }
     let part = telling(samples);
     check(stop)?;
-    let settings = settings(samples, part, prior)?;
+    let (settings, searched) = settings(samples, part, prior)?;
     let rests = stretches::rests(samples, &settings);
     let looked_at = stretches::evenly(samples, &rests);
     let decays: Vec<FreeDecay> = looked_at
@@ -186,6 +190,7 @@ pub fn identify_until(
         best_decay,
         rests: rests.len(),
         rests_looked_at: looked_at.len(),
+        searched,
     })
 }
 
@@ -256,12 +261,12 @@ fn explained_not(samples: &[Sample], fit: &BatchFit) -> f64 {
 }
 
 /// Settings for a recording: offset free, the whole of it as window, frequencies within an octave of the
-/// belief.
+/// belief; and the frequencies among which the mode is looked for.
 fn settings(
     samples: &[Sample],
     part: &[Sample],
     prior: Prior,
-) -> Result<Settings, IdentificationError> {
+) -> Result<(Settings, Searched), IdentificationError> {
     let duration = |samples: &[Sample]| samples[samples.len() - 1].time - samples[0].time;
     let sample_time = duration(samples) / (samples.len() - 1) as f64;
     let common = |base: Settings| Settings {
@@ -274,15 +279,22 @@ fn settings(
         window: 2.0 * duration(samples),
         ..base
     };
+    let searched = |(from, to): (f64, f64)| Searched {
+        from,
+        to,
+        sample_time,
+    };
     if let Some(belief) = prior.belief {
-        return Ok(common(Settings::around(belief, sample_time)));
+        let settings = common(Settings::around(belief, sample_time));
+        return Ok((settings, searched(settings.frequency_range)));
     }
     // At least two periods in the searched part, and at least five samples in a period.
     let range = (2.0 * TAU / duration(part), TAU / (5.0 * sample_time));
     if range.0 >= range.1 {
         return Err(IdentificationError::Still);
     }
-    first_look(samples, part, common(Settings::within(range, sample_time)))
+    let wide = common(Settings::within(range, sample_time));
+    Ok((first_look(samples, part, wide)?, searched(range)))
 }
 
 /// The first mode without a belief, from batch fits over a wide range: of the longest rest and of the

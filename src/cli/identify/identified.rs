@@ -2,7 +2,7 @@
 
 use super::alone::{self, Alone};
 use super::printer::{self, Tuned};
-use super::{Findings, alone_page, document, model, page, several, tables};
+use super::{Findings, alone_page, document, model, page, several, tables, words};
 use crate::cli::CliError;
 use crate::identification::NominalModel;
 use crate::identification::stop::Stop;
@@ -92,7 +92,11 @@ impl Identified {
         match &self.0 {
             Kind::Driven(findings) => {
                 let best = findings.found.recommended();
-                vec![best.map(|best| model::of_driven(&findings.recording, &best))]
+                let text = |best| {
+                    let what = words::of_servo(findings, &best);
+                    model::of_driven(&findings.recording, &best, what)
+                };
+                vec![best.map(text)]
             }
             Kind::Alone(all, _) => {
                 let text = |one| Some(model::of_alone(one));

@@ -22,8 +22,8 @@ struct Line {
     axis: Option<char>,
 }
 
-/// The text for the recommended modes of a joint with a known input.
-pub fn of_driven(recording: &str, best: &Recommended) -> String {
+/// The text for the recommended modes of a joint with a known input, with a sentence on what they are.
+pub fn of_driven(recording: &str, best: &Recommended, what: Option<&str>) -> String {
     let share = match best.further_share {
         Some(share) => (share, "by the motion"),
         None => (SHARE, "guessed: a decay does not tell it"),
@@ -34,7 +34,11 @@ pub fn of_driven(recording: &str, best: &Recommended) -> String {
         axis: None,
     };
     let lines: Vec<Line> = best.modes().map(line).collect();
-    text(recording, &lines)
+    let mut text = text(recording, &lines);
+    if let Some((head, what)) = text.find('\n').zip(what) {
+        text.insert_str(head, &format!("\n# {what}"));
+    }
+    text
 }
 
 /// The text for a recording without a known input: the modes to shape for, and as comments the smaller ones.

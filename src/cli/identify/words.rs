@@ -1,8 +1,8 @@
 //! The findings in sentences.
 
 use super::{Findings, registrations};
-use crate::identification::{Identification, Recommended, Run, Stretch, Why};
-use crate::page::{decimals_beside, fixed};
+use crate::identification::{Identification, NO_RESONANCE, Recommended, Run, Stretch, Why};
+use crate::page::{decimals_beside, fixed, significant};
 use crate::recording::Role;
 use quell_shapers::UncertainMode;
 
@@ -43,7 +43,45 @@ pub fn recommended(findings: &Findings, best: &Recommended) -> String {
         Why::TwoModes => "The likelihood ratio excludes one mode.".into(),
         Why::OffLine => "No on-line estimator gave a mode.".into(),
     };
-    format!("{}, by {}. {why}", modes.join(" and "), best.method)
+    let what = of_servo(findings, best).map_or(String::new(), |what| format!(" {what}"));
+    format!("{}, by {}.{what} {why}", modes.join(" and "), best.method)
+}
+
+/// A sentence on what the mode is where the command stands for the motor side.
+pub fn of_servo(findings: &Findings, best: &Recommended) -> Option<&'static str> {
+    let included = findings.series.includes_servo();
+    included.then(|| match best.may_be_resonance() {
+        true => {
+            "This is a mode of servo and link together, as the recording has no motor_position."
+        }
+        false => {
+            "This is how the servo follows its command, and no mode of the structure: with this damping nothing rings."
+        }
+    })
+}
+
+/// A sentence on a damping ratio that no resonance has.
+fn damped(best: &Recommended) -> Option<String> {
+    (!best.may_be_resonance()).then(|| {
+        format!(
+            "The damping ratio is at least {:.3} (95 % interval). From {NO_RESONANCE:.3} on a response has no half-power \
+             bandwidth, so that it is no resonance.",
+            best.least_damping()
+        )
+    })
+}
+
+/// A sentence on the frequencies at which a mode can be found.
+fn searched(found: &Identification) -> String {
+    let hertz = |omega: f64| significant(omega / core::f64::consts::TAU, 3);
+    let seen = &found.searched;
+    format!(
+        "A mode was looked for from {} to {} Hz. At {} samples a second none above {} Hz can be seen.",
+        hertz(seen.from),
+        hertz(seen.to),
+        significant(1.0 / seen.sample_time, 3),
+        hertz(found.nyquist()),
+    )
 }
 
 /// A mode with its standard deviations.
@@ -98,6 +136,8 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
         ));
     }
     let best = found.recommended();
+    remarks.extend(best.as_ref().and_then(damped));
+    remarks.push(searched(found));
     remarks.extend(best.and_then(|best| slow(best.mode.mode.hertz())));
     remarks.extend(best.as_ref().and_then(contradictions));
     remarks.extend(best.and_then(|best| best.doubted).map(doubted));
@@ -123,7 +163,8 @@ fn motor_side(role: Role) -> Option<String> {
             Some("The motor side's motion is the integral of motor_velocity.".into())
         }
         Role::CommandPosition => Some(
-            "The motor side's motion is taken to be command_position: a servo that lags behind it shows in the mode."
+            "The motor side's motion is taken to be command_position, so that the servo is part of the mode. A recording \
+             with motor_position tells the structure from the servo."
                 .into(),
         ),
         _ => None,

@@ -1,0 +1,49 @@
+//! What a found mode can be: a resonance or not, of the link alone or of servo and link; and which frequencies were
+//! looked at.
+
+use super::{Identification, Recommended, Series};
+use quell_recording::Role;
+
+/// Damping ratio from which the response of second order has no half-power bandwidth, `sin(pi/8)`: its peak,
+/// `1 / (2 xi sqrt(1 - xi^2))`, is then lower than `sqrt(2)` times the response at rest.
+pub const NO_RESONANCE: f64 = 0.382_683_432_365_089_8;
+/// Half of a 95 % interval, in standard deviations.
+const OF_95: f64 = 1.96;
+
+/// The frequencies among which a mode was looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Searched {
+    /// Lowest, rad/s: two periods in the searched part, or half the believed frequency.
+    pub from: f64,
+    /// Highest, rad/s: five samples in a period, or twice the believed frequency.
+    pub to: f64,
+    /// Time between two samples, on average, s.
+    pub sample_time: f64,
+}
+
+impl Recommended {
+    /// Lower end of the 95 % interval of the damping ratio, not below 0.
+    pub fn least_damping(&self) -> f64 {
+        let least = self.mode.mode.damping_ratio() - OF_95 * self.mode.damping_ratio_std;
+        least.max(0.0)
+    }
+
+    /// Whether the response may be a resonance: the 95 % interval of its damping ratio begins below [`NO_RESONANCE`].
+    pub fn may_be_resonance(&self) -> bool {
+        self.least_damping() < NO_RESONANCE
+    }
+}
+
+impl Series {
+    /// Whether a servo is part of what was identified: the command stands for the motor side.
+    pub fn includes_servo(&self) -> bool {
+        self.motor_side == Role::CommandPosition
+    }
+}
+
+impl Identification {
+    /// The highest frequency that the samples can show, rad/s: half their rate (Nyquist).
+    pub fn nyquist(&self) -> f64 {
+        core::f64::consts::PI / self.searched.sample_time
+    }
+}
