@@ -32,7 +32,7 @@ from .identification import Estimate, Identification, RecommendedShaper, identif
 from .model import Effect, Model
 from .modes import Mode
 from .motion import Limits, Trajectory, plan
-from .prediction import Output, Prediction, Score, score, simulate
+from .prediction import Output, PayloadScore, Prediction, Score, score, simulate
 from .recommendation import Recommendation, ShaperFigures, recommend
 from .recording import Channel, Recording, roles, units
 from .robot import SimulatedMove, simulate_robot
@@ -60,6 +60,7 @@ __all__ = [
     "NextMove",
     "Output",
     "PlanError",
+    "PayloadScore",
     "Prediction",
     "ProposedMove",
     "Quality",

@@ -118,3 +118,6 @@ def diagnose(
 def predict(
     model: Model, recording: Recording, first: int | None
 ) -> tuple[list[tuple[str, str, list[_Array]]], str, str]: ...
+def score(
+    model: Model, recording: Recording, first: int | None
+) -> tuple[str, str, str | None]: ...

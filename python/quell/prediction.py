@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-__all__ = ["Output", "Prediction", "Score", "score", "simulate"]
+__all__ = ["Output", "PayloadScore", "Prediction", "Score", "score", "simulate"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +46,10 @@ class Score(Result):
         Windows in which the motion was replayed, each with a start of its own.
     first : int, optional
         Samples at the start to which alone offsets, clocks and start were fitted.
+    with_payload : PayloadScore, optional
+        The score with the link's inertia fitted, which `quell.score` gives where the recording names a payload.
     text : str
-        The same in a line.
+        The same in a line, and in one more with the payload.
     """
 
     rms: float
@@ -58,6 +60,7 @@ class Score(Result):
     samples: int
     windows: int
     first: int | None = None
+    with_payload: PayloadScore | None = None
     text: str = field(default="", repr=False)
 
     def __str__(self) -> str:
@@ -65,6 +68,26 @@ class Score(Result):
 
     def _repr_html_(self) -> str:
         return paragraph(self.text)
+
+
+@dataclass(frozen=True, eq=False)
+class PayloadScore:
+    """
+    What a recording with a payload says of the link's inertia, beside a model that says nothing of its payload.
+
+    Parameters
+    ----------
+    payload : str
+        The payload, as the recording names it.
+    relative_inertia : float
+        Inertia of the link over the model's, by least squares.
+    score : Score
+        The score with that inertia.
+    """
+
+    payload: str
+    relative_inertia: float
+    score: Score
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,6 +246,9 @@ def score(model: Model, recording: Recording, *, first: int | None = None) -> Sc
     """
     Score how well a model predicts a recording that it has never seen.
 
+    A model does not say with which payload it holds. Where the recording names one, `with_payload` has the score
+    with the link's inertia fitted.
+
     Parameters
     ----------
     model : Model
@@ -242,4 +268,9 @@ def score(model: Model, recording: Recording, *, first: int | None = None) -> Sc
     DiagnosisError
         Where the recording does not suit the model.
     """
-    return simulate(model, recording, first=first).score
+    document, lines, own_line = _quell.score(model._inner, recording._inner, first)
+    told = json.loads(document)
+    carried = told.get("with_payload")
+    own = carried and build(Score, carried["score"], document=carried["score"], text=own_line)
+    with_payload = carried and PayloadScore(carried["payload"], carried["relative_inertia"], own)
+    return build(Score, told, document=told, with_payload=with_payload, text=lines)

@@ -9,7 +9,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use quell::diagnosis::{self, DiagnosisError, Options, Outcome, OutputTrace, Stop};
 use quell::recording;
-use quell::report::{Case, page, score_line, text};
+use quell::report::{Case, judgement_lines, page, score_line, text};
 use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
@@ -126,4 +126,23 @@ pub fn predict<'py>(
     };
     let line = score_line(&score);
     Ok((outputs.into_iter().map(output).collect(), document, line))
+}
+
+/// Scores a model on a recording: as JSON, in lines, and the line with its payload if it names one.
+#[pyfunction]
+pub fn score(
+    py: Python<'_>,
+    model: &Model,
+    recording: &Recording,
+    first: Option<NonZeroUsize>,
+) -> PyResult<(String, String, Option<String>)> {
+    let (model, recording): (_, recording::Recording) = (model.model.clone(), recording.0.clone());
+    let judgement = wait(py, &Watch::default(), None, move || {
+        diagnosis::judge(&model, recording, first)
+    })?;
+    let judgement = judgement.map_err(errors::diagnosis)?;
+    let document = serde_json::to_string(&judgement).unwrap_or_default();
+    let own = judgement.with_payload.as_ref();
+    let own = own.map(|carried| score_line(&carried.score));
+    Ok((document, judgement_lines(&judgement), own))
 }

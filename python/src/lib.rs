@@ -23,7 +23,7 @@ mod _quell {
     #[pymodule_export]
     use super::course::course;
     #[pymodule_export]
-    use super::diagnosis::{diagnose, predict};
+    use super::diagnosis::{diagnose, predict, score};
     #[pymodule_export]
     use super::filter::AdaptiveFilter;
     #[pymodule_export]

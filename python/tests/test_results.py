@@ -17,6 +17,8 @@ import pytest
 import quell
 import scipy.signal
 
+from conftest import RATE
+
 
 def test_a_mode_is_identified_with_its_input_known(recording: quell.Recording) -> None:
     found = quell.identify(recording)
@@ -62,6 +64,24 @@ def test_the_forms_of_a_result_agree(recording: quell.Recording, model: quell.Mo
     for plotted in (found, predicted, recording, quell.Shaper("zv", found.modes, rate=500)):
         assert plotted.plot() is not None
     json.dumps([found.to_dict(), predicted.to_dict(), predicted.score.to_dict()])
+
+
+def test_val_a_score_tells_the_inertia_of_a_payload(joint: dict[str, np.ndarray], recording: quell.Recording) -> None:
+    # Frequency and damping ratio go with the root of the inertia: that of the recording is (9/8)^2 times the model's.
+    model = quell.Model("flexible_joint", natural_frequency_hz=9.0, damping_ratio=0.05 * 9.0 / 8.0)
+    carries = quell.Recording.from_arrays(joint, rate=RATE, units=dict.fromkeys(joint, "rad"), payload="2 kg")
+    score = quell.score(model, carries)
+    own = score.with_payload
+    assert own is not None and own.payload == "2 kg" and own.score.with_payload is None
+    assert own.relative_inertia == pytest.approx((9.0 / 8.0) ** 2, rel=1e-3)
+    assert own.score.rms_over_noise < 1.1 < score.rms_over_noise
+    assert '"2 kg"' in str(score) and str(own.score) in str(score) and "2 kg" in score._repr_html_()
+    assert score.to_dict()["with_payload"]["score"] == own.score.to_dict()
+    assert score.rms == quell.simulate(model, carries).score.rms
+    assert pickle.loads(pickle.dumps(score)).to_dict() == score.to_dict()
+    assert quell.score(model, recording).with_payload is None
+    with pytest.raises(quell.DiagnosisError, match="first"):
+        quell.score(model, carries, first=10**6)
 
 
 @pytest.fixture(scope="session")

@@ -1,11 +1,10 @@
 //! `quell score`: how well a model predicts a recording that it has never seen.
 
 use super::{CliError, next, output};
-use crate::diagnosis::{Carrying, Score, carrying, forecast, predict};
+use crate::diagnosis::judge;
 use crate::model::Model;
-use crate::page::significant;
 use crate::recording::Recording;
-use crate::report::score_line;
+use crate::report::judgement_lines;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -34,25 +33,6 @@ pub struct Args {
     pub json: bool,
 }
 
-/// The score, and that with the inertia of the recording's payload.
-#[derive(serde::Serialize)]
-struct Told {
-    #[serde(flatten)]
-    score: Score,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    with_payload: Option<Carrying>,
-}
-
-fn carrying_line(carried: &Carrying) -> String {
-    format!(
-        "A model does not say with which payload it holds; this recording has the payload {:?}. With {} times the model's \
-         inertia of the link: {}\n",
-        carried.payload,
-        significant(carried.relative_inertia, 4),
-        score_line(&carried.score)
-    )
-}
-
 /// Runs the verb.
 ///
 /// # Errors
@@ -60,25 +40,12 @@ fn carrying_line(carried: &Carrying) -> String {
 pub fn run(args: Args) -> Result<(), CliError> {
     let model = Model::from_path(&args.model).map_err(CliError::input)?;
     let recording = Recording::from_path(&args.recording)?;
-    let named = recording.payload.is_some().then(|| recording.clone());
-    let judged = match args.first {
-        Some(samples) => forecast(&model, recording, samples),
-        None => predict(&model, recording),
-    };
-    let (_, score) = judged.map_err(CliError::input)?;
-    let carried = match named {
-        Some(recording) => carrying(&model, &recording, args.first).map_err(CliError::input)?,
-        None => None,
-    };
+    let judgement = judge(&model, recording, args.first).map_err(CliError::input)?;
     match args.json {
-        true => output::json(&Told {
-            score,
-            with_payload: carried,
-        }),
+        true => output::json(&judgement),
         false => output::text(&format!(
-            "{}\n{}{}",
-            score_line(&score),
-            carried.as_ref().map_or_else(String::new, carrying_line),
+            "{}\n{}",
+            judgement_lines(&judgement),
             next::command([
                 "diagnose".as_ref(),
                 "--model".as_ref(),

@@ -38,6 +38,7 @@ mod input_noise;
 mod input_response;
 mod input_rounding;
 mod judge;
+mod judgement;
 mod law_band;
 mod law_curve;
 mod law_points;
@@ -97,6 +98,7 @@ pub use document::{
     Score, Scored, Verdict,
 };
 pub use error::DiagnosisError;
+pub use judgement::{Judgement, judge};
 pub use law_curve::{LawCurve, LawParameter, LearnedLaw, NearestLaw};
 pub use locate::{Dynamics, Located, Residual, locate};
 pub use looks::diagnose;

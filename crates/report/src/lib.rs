@@ -23,6 +23,6 @@ mod words;
 
 pub use case::Case;
 pub use page::{page, page_of};
-pub use score::score_line;
+pub use score::{judgement_lines, score_line};
 pub use shown::Shown;
 pub use text::text;

@@ -3,13 +3,32 @@
 use super::case::Case;
 use super::head::times;
 use super::shown::Shown;
-use quell_diagnosis::Score;
-use quell_page::fixed;
+use quell_diagnosis::{Carrying, Judgement, Score};
+use quell_page::{fixed, significant};
 
 /// One line: error in the unit of the recording and relative to the noise, the explained share of the
 /// recording, and how it was fitted if not to the whole in one piece.
 pub fn score_line(score: &Score) -> String {
     line_in(score, &Shown::from(score.shown()))
+}
+
+/// The line of a score and, where the recording has a payload, one with the link's inertia fitted.
+pub fn judgement_lines(judgement: &Judgement) -> String {
+    let line = score_line(&judgement.score);
+    match &judgement.with_payload {
+        Some(carried) => format!("{line}\n{}", carrying_line(carried)),
+        None => line,
+    }
+}
+
+fn carrying_line(carried: &Carrying) -> String {
+    format!(
+        "A model does not say with which payload it holds; this recording has the payload {:?}. With {} times the model's \
+         inertia of the link: {}",
+        carried.payload,
+        significant(carried.relative_inertia, 4),
+        score_line(&carried.score)
+    )
 }
 
 /// The same beside other misfits: in the unit in which they are told.

@@ -55,7 +55,7 @@ pub fn of_servo(findings: &Findings, best: &Recommended) -> Option<&'static str>
             "This is a mode of servo and link together, as the recording has no motor_position."
         }
         false => {
-            "This is how the servo follows its command, and no mode of the structure: with this damping nothing rings."
+            "This is how the servo follows its command, and no mode of the structure, which would ring."
         }
     })
 }
