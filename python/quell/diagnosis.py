@@ -119,10 +119,10 @@ class Diagnosis(Reported):
         import matplotlib.pyplot as plt
 
         one = self.traces[trace]
-        figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=(8, 5))
+        figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=(8, 5), layout="constrained")
         above.plot(one.time, one.recorded, linewidth=0.8)
         above.set_ylabel(f"{one.name} / {one.unit}")
-        below.plot(one.time, one.recorded - one.before, linewidth=0.8, label="model left")
+        below.plot(one.time, one.recorded - one.before, linewidth=0.8, label="model as given")
         below.plot(one.time, one.recorded - one.after, linewidth=0.8, label="with findings")
         below.set_ylabel(f"residual / {one.unit}")
         below.set_xlabel("time / s")

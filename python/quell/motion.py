@@ -121,7 +121,7 @@ class Trajectory:
         """
         import matplotlib.pyplot as plt
 
-        figure, axes = plt.subplots(3, 1, sharex=True, figsize=(8, 6))
+        figure, axes = plt.subplots(3, 1, sharex=True, figsize=(8, 6), layout="constrained")
         for axis, name in zip(axes, ("position", "velocity", "acceleration")):
             axis.plot(self.time, getattr(self, name))
             axis.set_ylabel(name)

@@ -199,7 +199,7 @@ class Prediction:
         import matplotlib.pyplot as plt
 
         count = len(self.outputs)
-        figure, axes = plt.subplots(count, 1, sharex=True, squeeze=False, figsize=(8, 3 * count))
+        figure, axes = plt.subplots(count, 1, sharex=True, squeeze=False, figsize=(8, 3 * count), layout="constrained")
         for output, axis in zip(self.outputs, axes[:, 0]):
             axis.plot(output.time, output.recorded, linewidth=0.8, label="recorded")
             axis.plot(output.time, output.predicted, linewidth=0.8, label="predicted")

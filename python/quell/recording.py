@@ -447,9 +447,13 @@ class Recording:
         import matplotlib.pyplot as plt
 
         count = len(self.channels)
-        figure, axes = plt.subplots(count, 1, sharex=True, squeeze=False, figsize=(8, 2 * count))
+        figure, axes = plt.subplots(
+            count, 1, sharex=True, squeeze=False, figsize=(8, 2 * count), layout="constrained"
+        )
         for channel, axis in zip(self.channels, axes[:, 0]):
-            axis.plot(channel.stamps, channel.array, linewidth=0.8)
+            lines = axis.plot(channel.stamps, channel.array, linewidth=0.8)
+            if len(lines) > 1:
+                axis.legend(lines, ["x", "y", "z"])
             axis.set_ylabel(f"{channel.role}\n{channel.unit}")
         axes[-1, 0].set_xlabel("time / s")
         figure.suptitle(self.name)
