@@ -516,7 +516,8 @@ fn clocks_that_show_nothing_are_told() {
     let folder = TempDir::new().unwrap();
     let manifest = "name = \"odd\"\n[[channel]]\nrole = \"motor_position\"\nfile = \"a.csv\"\n\
                     time = \"t\"\ncolumn = \"q\"\nunit = \"rad\"\n";
-    let manifest = manifest.to_owned() + &manifest[manifest.find("[[").unwrap()..];
+    let again = manifest[manifest.find("[[").unwrap()..].replace("motor", "link");
+    let manifest = manifest.to_owned() + &again;
     std::fs::write(folder.path().join("recording.toml"), manifest).unwrap();
     let milliseconds: String = (0..50).map(|k| format!("{},0.{k:02}\n", 4 * k)).collect();
     for (rows, words) in [
@@ -529,7 +530,7 @@ fn clocks_that_show_nothing_are_told() {
         let assert = command.assert().success();
         let text = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
         assert!(text.contains(words), "no {words:?} in {text}");
-        // Two channels of one role at the same instants have their time in common.
+        // Two channels at the same instants have their time in common.
         assert!(!text.contains("no time in common"), "{text}");
     }
 }

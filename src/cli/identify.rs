@@ -8,6 +8,7 @@ mod identified;
 mod model;
 mod page;
 mod printer;
+mod refused;
 mod registrations;
 mod remarks;
 mod several;
@@ -174,7 +175,7 @@ impl Findings {
         model: Option<&NominalModel>,
         registration: TipRegistration,
         stop: Stop,
-    ) -> Result<Self, CliError> {
+    ) -> Result<Self, IdentificationError> {
         let name = recording.name.clone();
         let tip = recording.channel(Role::TipPosition);
         let again = tip.is_some().then(|| recording.clone());

@@ -263,6 +263,7 @@ impl Source<'_> {
             _ => true,
         };
         let channels = manifest.channel.iter().filter(own);
+        self.each_role_once(channels.clone())?;
         let channels = channels.map(|entry| self.channel(entry, manifest, files));
         Ok(Recording {
             name: manifest.name.clone(),
@@ -321,10 +322,11 @@ impl Source<'_> {
     fn file(&self, entry: &Entry) -> Result<PathBuf, RecordingError> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let path = folder.join(entry.file.get_ref());
-        if path.exists() {
-            return Ok(path);
-        }
-        let reason = format!("there is no file {}", path.display());
+        let reason = match (path.exists(), path.is_dir()) {
+            (true, false) => return Ok(path),
+            (true, true) => format!("{} is a folder", path.display()),
+            (false, _) => format!("there is no file {}", path.display()),
+        };
         Err(self.at(entry.file.span().start, key("file", reason)))
     }
 }

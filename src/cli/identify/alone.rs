@@ -1,12 +1,13 @@
 //! Modes of a recording without a known input: an accelerometer, or any channel of a free vibration.
 
 use super::axis::{self, Printer};
+use super::refused::of_recording;
 use crate::cli::CliError;
 use crate::identification::output_only::{
     FoundMode, OutputOnly, Vibration, output_only_within, vibration,
 };
 use crate::identification::stop::Stop;
-use crate::identification::{IdentificationError, motor_side, rests};
+use crate::identification::{motor_side, rests};
 use crate::page::{columns, decimals_beside, fixed};
 use crate::recording::health::{at_limit, clipped_axes, mixed_rates};
 use crate::recording::{Channel, Recording, Role};
@@ -125,13 +126,14 @@ impl Alone {
     /// # Errors
     /// [`CliError::Input`] where nothing vibrates, or no mode stands out.
     pub fn of(path: &Path, recording: &Recording, stop: Stop) -> Result<Self, CliError> {
-        let vibration = vibration(recording)?;
+        let named = |error| of_recording(&recording.name, error);
+        let vibration = vibration(recording).map_err(named)?;
         let rests: Vec<[f64; 2]> = rests(recording)
-            .map_err(IdentificationError::from)?
+            .map_err(|error| named(error.into()))?
             .iter()
             .map(|p| [p.start, p.end])
             .collect();
-        let found = output_only_within(&vibration, &rests, stop)?;
+        let found = output_only_within(&vibration, &rests, stop).map_err(named)?;
         let advice = advice(&found.modes)?;
         let printer = axis::of(path, &vibration);
         let channel = recording.channel(vibration.role);

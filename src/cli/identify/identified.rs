@@ -2,6 +2,7 @@
 
 use super::alone::{self, Alone};
 use super::printer::{self, Tuned};
+use super::refused::of_recording;
 use super::{Findings, alone_page, document, model, page, several, tables, words};
 use crate::cli::CliError;
 use crate::identification::NominalModel;
@@ -43,7 +44,9 @@ impl Identified {
             _ => false,
         };
         if let Some((_, recording)) = recordings.pop_if(|_| driven) {
-            let findings = Findings::of(recording, model, registration, stop)?;
+            let name = recording.name.clone();
+            let findings = Findings::of(recording, model, registration, stop);
+            let findings = findings.map_err(|error| of_recording(&name, error))?;
             return Ok(Self(Kind::Driven(Box::new(findings))));
         }
         let all = several::identified(&recordings, stop)?;

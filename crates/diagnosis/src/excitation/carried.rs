@@ -1,5 +1,6 @@
 //! Information in the channels of a recording, before any model is fitted.
 
+use super::sampled::dense;
 use super::words::{figure, still};
 use crate::error::DiagnosisError;
 use quell_model::Model;
@@ -35,6 +36,7 @@ pub fn carried(model: &Model, recordings: &[Recording]) -> Result<Carried, Diagn
         };
         let outputs: Vec<&Channel> = recording.channels.iter().filter(is_output).collect();
         sound(model, recording, input, &outputs)?;
+        dense(model, recording, &outputs)?;
         if nothing_varies(recording, input, &outputs)? {
             let all = std::iter::once(input).chain(outputs);
             silent.push((recording, still(all)));

@@ -2,7 +2,7 @@
 
 use crate::error::DiagnosisError;
 use quell_model::{Experiment, Hold, Model};
-use quell_recording::Recording;
+use quell_recording::{Channel, Recording};
 use std::f64::consts::TAU;
 
 /// Refuses a recording if its input, or all of its outputs, have two samples or less in a period of the model's
@@ -47,6 +47,39 @@ pub fn sampled(
         }
     }
     Ok(())
+}
+
+/// The same for the outputs before anything is simulated, by their median rate: what is much too slow, as stamps in the
+/// wrong unit are, would take some 10^12 steps of the integration.
+///
+/// # Errors
+/// As [`sampled`].
+pub fn dense(
+    model: &Model,
+    recording: &Recording,
+    outputs: &[&Channel],
+) -> Result<(), DiagnosisError> {
+    let mode_hz = model.mode().map_or(model.fastest() / TAU, |mode| mode.0);
+    let rates = outputs.iter().map(|own| (own.role, median_rate(&own.time)));
+    match rates.max_by(|a, b| a.1.total_cmp(&b.1)) {
+        Some((channel, rate_hz)) if rate_hz <= 2.0 * mode_hz => Err(DiagnosisError::TooSlow {
+            recording: recording.name.clone(),
+            channel,
+            rate_hz,
+            mode_hz,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// One over the median time between two samples, Hz; infinite for fewer than two samples.
+fn median_rate(time: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps.len() / 2;
+    match steps.is_empty() {
+        true => f64::INFINITY,
+        false => 1.0 / *steps.select_nth_unstable_by(middle, f64::total_cmp).1,
+    }
 }
 
 /// Samples per second, Hz; infinite for fewer than two.

@@ -249,7 +249,10 @@ fn number(value: &DeValue) -> Option<f64> {
     text.parse().ok()
 }
 
-fn advice(name: &str, known: Vec<&'static str>) -> String {
+fn advice(name: &str, mut known: Vec<&'static str>) -> String {
+    // Two kinds may be told apart by their keys alone.
+    let mut seen = std::collections::BTreeSet::new();
+    known.retain(|name| seen.insert(*name));
     match nearest(name, known.iter().copied()) {
         Some(near) => format!("; did you mean \"{near}\"?"),
         None => format!("; known: {}", list(known.into_iter())),

@@ -4,6 +4,7 @@ use super::{Entry, Rows, Source, key, start};
 use crate::error::{Problem, RecordingError, nearest};
 use crate::role::{ROLES, Role};
 use crate::unit::{UNITS, Unit};
+use std::collections::BTreeSet;
 use toml::Spanned;
 
 impl Source<'_> {
@@ -16,6 +17,24 @@ impl Source<'_> {
             };
             self.at(name.span().start, problem)
         })
+    }
+
+    /// Refuses a second channel of a role: it would never be used.
+    pub(super) fn each_role_once<'a>(
+        &self,
+        entries: impl Iterator<Item = &'a Entry>,
+    ) -> Result<(), RecordingError> {
+        let mut seen = BTreeSet::new();
+        for role in entries.map(|entry| &entry.role) {
+            if !seen.insert(role.get_ref()) {
+                let reason = format!(
+                    "{:?} stands twice, and a recording has one of each; give each joint its own with joint = \"...\"",
+                    role.get_ref()
+                );
+                return Err(self.at(role.span().start, key("role", reason)));
+            }
+        }
+        Ok(())
     }
 
     pub(super) fn unit(&self, name: &Spanned<String>) -> Result<&'static Unit, RecordingError> {

@@ -157,8 +157,9 @@ fn step(column: &Column) -> f64 {
     }
 }
 
-/// The column that separates tests, if the time of a file restarts: within each of its values time grows.
-pub fn tests(content: &Content, clock: &Clock) -> Option<usize> {
+/// The column that separates tests, if the time of a file restarts: within each of its values time grows. It is no
+/// signal: a position that only grows stands in blocks, too.
+pub fn tests(content: &Content, clock: &Clock, is_signal: impl Fn(usize) -> bool) -> Option<usize> {
     let Clock::Stamps {
         column: time, unit, ..
     } = clock
@@ -176,19 +177,21 @@ pub fn tests(content: &Content, clock: &Clock) -> Option<usize> {
     let begins = (1..rows).filter(falls).count() + 1;
     let parts = |column: &Column| column.is_of_blocks() && column.distinct.len() >= begins;
     let tells = (0..content.columns.len())
-        .filter(|&index| index != *time && parts(&content.columns[index]));
+        .filter(|&index| index != *time && parts(&content.columns[index]) && !is_signal(index));
     // A repeated sample splits a signal into many parts; the column with the fewest values is that of the
     // tests.
     tells.min_by_key(|&index| content.columns[index].distinct.len())
 }
 
-/// Whether the time of a file runs backwards, or repeats.
-pub fn runs_back(content: &Content, clock: &Clock) -> bool {
+/// The first stamp of a file at which its time runs backwards or repeats, with the one before it.
+pub fn runs_back(content: &Content, clock: &Clock) -> Option<[f64; 2]> {
     match clock {
         Clock::Stamps { column, unit, .. } if !unit.value.is_text() => {
-            let stamps = &content.columns[*column];
-            !stamps.grows(0..stamps.numbers.len())
+            let stamps = content.columns[*column].numbers.iter();
+            let stamps: Vec<f64> = stamps.copied().filter(|value| !value.is_nan()).collect();
+            let mut pairs = stamps.windows(2).map(|pair| [pair[0], pair[1]]);
+            pairs.find(|[before, now]| now <= before)
         }
-        _ => false,
+        _ => None,
     }
 }

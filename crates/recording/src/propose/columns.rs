@@ -194,7 +194,7 @@ impl Channels {
 }
 
 /// The role of a column, and whether it is certain.
-fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
+pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
     let name = &content.columns[index].name;
     // RepRapFirmware calls the axes of its accelerometer X, Y and Z.
     if content.told_rate_hz.is_some() && name.axis().is_some() {

@@ -77,7 +77,8 @@ pub fn proposal(path: &Path, contents: &[Content]) -> Proposal {
 
 fn read(content: &Content) -> Read<'_> {
     let clock = clock::of(content);
-    let tests = clock::tests(content, &clock);
+    let is_signal = |index| columns::role(content, index).is_some_and(|(_, certain)| certain);
+    let tests = clock::tests(content, &clock, is_signal);
     let channels = columns::of(content, &clock, tests);
     Read {
         content,
@@ -106,9 +107,11 @@ impl Read<'_> {
             } => open.push(why.clone()),
             _ => {}
         }
-        if self.tests.is_none() && clock::runs_back(self.content, &self.clock) {
-            open.push("its time runs backwards or repeats".into());
-        }
+        let back = clock::runs_back(self.content, &self.clock).filter(|_| self.tests.is_none());
+        open.extend(back.map(|[before, now]| match before == now {
+            true => format!("its time repeats: {now} stands twice"),
+            false => format!("its time runs backwards: {now} after {before}"),
+        }));
         open
     }
 }

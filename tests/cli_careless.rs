@@ -1,0 +1,248 @@
+//! Files as a careless engineer has them, as a user types it: each is refused in one line with its place, or read.
+
+use assert_cmd::Command;
+use std::path::Path;
+use std::time::Duration;
+use tempfile::TempDir;
+
+const HEADER: &str = "time_s,motor_position_rad,deformation_rad";
+const RATE: f64 = 250.0;
+const MODEL: &str = "kind = \"flexible_joint\"\nnatural_frequency_hz = 8.2\ndamping_ratio = 0.06\n";
+const MANIFEST: &str = "name = \"run\"
+[[channel]]
+role = \"motor_position\"
+file = \"good.csv\"
+time = \"time_s\"
+column = \"motor_position_rad\"
+unit = \"rad\"
+[[channel]]
+role = \"deformation\"
+file = \"good.csv\"
+time = \"time_s\"
+column = \"deformation_rad\"
+unit = \"rad\"
+";
+
+/// Rows of a move that only grows, and the decay after it at 8 Hz.
+fn rows() -> Vec<String> {
+    let w = 2.0 * std::f64::consts::PI * 8.0;
+    let row = |k: i32| {
+        let t = f64::from(k) / RATE;
+        let s = ((t - 0.3) / 0.3).clamp(0.0, 1.0);
+        let after = (t - 0.6).max(0.0);
+        let rings = 5e-3 * (-0.05 * w * after).exp() * (w * after).sin();
+        format!(
+            "{t},{:.7},{:.7}",
+            0.4 * s * s * (3.0 - 2.0 * s),
+            rings + 1e-6 * f64::from(k % 7)
+        )
+    };
+    (0..1000).map(row).collect()
+}
+
+/// The file of the rows after a change.
+fn changed(change: impl Fn(&mut Vec<String>)) -> Vec<u8> {
+    let mut rows = rows();
+    change(&mut rows);
+    format!("{HEADER}\n{}\n", rows.join("\n")).into()
+}
+
+/// What a verb says on stderr; it ends within a minute, without a panic.
+fn told(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = Command::cargo_bin("quell").unwrap();
+    command.current_dir(folder).args(arguments);
+    let output = command.timeout(Duration::from_secs(60)).output().unwrap();
+    let words = String::from_utf8(output.stderr).unwrap();
+    assert!(!words.contains("panicked"), "{arguments:?}: {words}");
+    (output.status.code(), words)
+}
+
+/// Checks that a verb refuses what it is given in one line, beside a line of advice, which holds these words.
+fn refused(folder: &Path, arguments: &[&str], words: &str) {
+    let (code, said) = told(folder, arguments);
+    assert_eq!(code, Some(2), "{arguments:?}: {said}");
+    let advice = said
+        .lines()
+        .skip(1)
+        .all(|line| line.starts_with("  help: "));
+    assert!(said.lines().count() <= 2 && advice, "{arguments:?}: {said}");
+    let first = said.lines().next().unwrap_or_default();
+    assert!(first.contains(words), "{arguments:?}: {first}");
+}
+
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    write("good.csv", &changed(|_| {}));
+    write("model.toml", MODEL.as_bytes());
+    std::fs::create_dir(folder.path().join("runs")).unwrap();
+    folder
+}
+
+#[test]
+fn a_file_that_cannot_be_used_is_refused_with_its_name_and_place() {
+    let long = vec!["1"; 300_000].join(",");
+    let utf_16: Vec<u8> = String::from_utf8(changed(|_| {}))
+        .unwrap()
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    let cut = [&[0xff, 0xfe], &utf_16[..2001]].concat();
+    let cases: [(Vec<u8>, &str); 16] = [
+        (Vec::new(), "run.csv: the file is empty"),
+        (changed(Vec::clear), "run.csv: there are no rows"),
+        (changed(|rows| rows.truncate(1)), "\"run\": "),
+        (
+            changed(|rows| rows.truncate(2)),
+            "\"run\": 2 aligned samples",
+        ),
+        (
+            changed(|rows| rows[500] = "2.0,0.4,0,7".into()),
+            "run.csv:502: 4 cells",
+        ),
+        (
+            changed(|rows| rows[500] = "2.0,0.4".into()),
+            "run.csv:502: 2 cells",
+        ),
+        (
+            changed(|rows| rows[500] = long.clone()),
+            "run.csv:502: 300000 cells",
+        ),
+        (
+            changed(|rows| rows[500] = "2.0,abc,0".into()),
+            "whether \"abc\" in line 502 of \"motor_position_rad\"",
+        ),
+        (
+            changed(|rows| rows[500] = "2.0,1e309,0".into()),
+            "whether \"1e309\" in line 502",
+        ),
+        (
+            changed(|rows| rows[500] = "2.0,1e308,1e308".into()),
+            "\"run\": deformation holds 1e308 rad",
+        ),
+        // In the move, where each position stands once, as the number of a test may.
+        (
+            changed(|rows| rows[100] = rows[99].clone()),
+            "run.csv: what its columns are is not certain: its time repeats: 0.396 stands twice",
+        ),
+        (
+            changed(|rows| rows.swap(100, 101)),
+            "its time runs backwards: 0.4 after 0.404",
+        ),
+        (
+            changed(|rows| {
+                rows.iter_mut()
+                    .for_each(|row| *row = format!("1{}", &row[row.find(',').unwrap()..]))
+            }),
+            "its time repeats: 1 stands twice",
+        ),
+        (
+            changed(|rows| {
+                rows.iter_mut()
+                    .for_each(|row| *row = format!("{},0.25", &row[..row.rfind(',').unwrap()]))
+            }),
+            "\"run\": deformation is 0.25 rad throughout",
+        ),
+        (cut, "run.csv: the text is not UTF-8"),
+        ((0..=255).cycle().take(5000).collect(), "run.csv"),
+    ];
+    for (bytes, words) in &cases {
+        let folder = folder();
+        std::fs::write(folder.path().join("run.csv"), bytes).unwrap();
+        refused(folder.path(), &["identify", "run.csv"], words);
+        let (code, said) = told(folder.path(), &["score", "model.toml", "run.csv"]);
+        assert_eq!(code, Some(2), "{words}: {said}");
+        let (_, said) = told(folder.path(), &["inspect", "run.csv"]);
+        // One repeated stamp is no reason to take a signal for the number of a test.
+        let written = std::fs::read_dir(folder.path()).unwrap().count();
+        assert!(written < 10, "{words}: {written} files, {said}");
+    }
+}
+
+#[test]
+fn line_ends_a_byte_order_mark_and_missing_cells_are_read() {
+    let text = String::from_utf8(changed(|_| {})).unwrap();
+    let dos = text.replace('\n', "\r\n");
+    let wide: Vec<u8> = dos.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let cases = [
+        dos.clone().into_bytes(),
+        [b"\xef\xbb\xbf", text.as_bytes()].concat(),
+        [b"\xff\xfe", &wide[..]].concat(),
+        changed(|rows| rows[500] = "2.0,nan,0".into()),
+        changed(|rows| rows[500] = "2.0,,0".into()),
+    ];
+    for bytes in &cases {
+        let folder = folder();
+        std::fs::write(folder.path().join("run.csv"), bytes).unwrap();
+        let (code, said) = told(folder.path(), &["identify", "run.csv"]);
+        assert_eq!(code, Some(0), "{said}");
+    }
+}
+
+#[test]
+fn a_manifest_is_refused_with_line_and_key() {
+    let cases = [
+        (
+            MANIFEST.replace("good.csv", "runs"),
+            "run.toml:4: file: runs is a folder",
+        ),
+        (
+            MANIFEST.replace("good.csv", "gone.csv"),
+            "run.toml:4: file: there is no file gone.csv",
+        ),
+        (
+            format!("{MANIFEST}{}", &MANIFEST[MANIFEST.find('[').unwrap()..]),
+            "run.toml:15: role: \"motor_position\" stands twice",
+        ),
+        (
+            MANIFEST.replace("\"deformation_rad\"", "3.5"),
+            "run.toml:12: channel[2].column = 3.5",
+        ),
+        (
+            format!("{MANIFEST}scale = 1e308\n"),
+            "\"run\": deformation holds",
+        ),
+        (
+            "name = \"run\"\n".into(),
+            "run.toml:1: missing key `channel`",
+        ),
+    ];
+    for (manifest, words) in &cases {
+        let folder = folder();
+        std::fs::write(folder.path().join("run.toml"), manifest).unwrap();
+        refused(folder.path(), &["identify", "run.toml"], words);
+    }
+}
+
+/// Stamps in nanoseconds that are called seconds: 8.2 Hz would be 10^10 periods between two samples.
+#[test]
+fn a_score_of_a_recording_that_is_too_slow_for_the_model_is_refused_with_the_rate() {
+    let folder = folder();
+    let late = changed(|rows| {
+        for (k, row) in rows.iter_mut().enumerate() {
+            let comma = row.find(',').unwrap();
+            *row = format!("{}{}", 1.7e18 + 4e6 * k as f64, &row[comma..]);
+        }
+    });
+    std::fs::write(folder.path().join("run.csv"), late).unwrap();
+    let words = "samples a second, and shows a mode of 8.2 Hz";
+    refused(folder.path(), &["score", "model.toml", "run.csv"], words);
+    let diagnose = ["diagnose", "--model", "model.toml", "run.csv"];
+    refused(folder.path(), &diagnose, words);
+}
+
+#[test]
+fn each_kind_of_model_is_listed_once() {
+    let folder = folder();
+    std::fs::write(
+        folder.path().join("kind.toml"),
+        MODEL.replace("flexible_joint", "arm"),
+    )
+    .unwrap();
+    let (_, said) = told(folder.path(), &["score", "kind.toml", "good.csv"]);
+    assert!(
+        said.contains("kind.toml:1: kind: \"arm\" is unknown; known: "),
+        "{said}"
+    );
+    assert_eq!(said.matches("oscillator").count(), 1, "{said}");
+}
