@@ -159,6 +159,18 @@ fn a_file_that_cannot_be_used_is_refused_with_its_name_and_place() {
     }
 }
 
+/// No command file gets a value that is no number: a train of such a value is infinite.
+#[test]
+fn a_command_that_nothing_can_follow_is_refused_and_nothing_is_written() {
+    let folder = folder();
+    let far = changed(|rows| rows[500] = "2.0,-1e308,0".into());
+    std::fs::write(folder.path().join("run.csv"), far).unwrap();
+    let shape = "shape --shaper zv --mode 8,0.05 --rate 250 run.csv --column motor_position_rad";
+    let words = "run.csv:502: column \"motor_position_rad\": \"-1e308\" is beyond 1e27";
+    refused(folder.path(), &shape.split(' ').collect::<Vec<_>>(), words);
+    assert!(!folder.path().join("out/run_shaped.csv").exists());
+}
+
 #[test]
 fn line_ends_a_byte_order_mark_and_missing_cells_are_read() {
     let text = String::from_utf8(changed(|_| {})).unwrap();

@@ -3,7 +3,7 @@
 use super::Channel;
 
 /// Largest possible magnitude of a value in SI units: the universe has a diameter of 9e26 m.
-const LARGEST: f64 = 1e27;
+pub const LARGEST: f64 = 1e27;
 /// Smallest possible variation: no length is smaller than Planck's, 1.6e-35 m.
 const SMALLEST: f64 = 1e-35;
 /// A variation below this share of the largest value is the rounding of numbers written with nine digits.

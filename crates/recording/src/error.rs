@@ -163,6 +163,12 @@ pub enum Problem {
         /// The cell.
         text: String,
     },
+    /// A cell holds a number that is no measurement and no command.
+    #[error("{} is beyond {:e}, which nothing measures: check unit and scale", quoted(.text), crate::carries::LARGEST)]
+    Impossible {
+        /// The cell.
+        text: String,
+    },
     /// The time of a row is not above the time of the row before.
     #[error(
         "time {} ({} after {} s)",

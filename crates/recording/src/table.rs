@@ -5,6 +5,7 @@ mod text;
 
 pub(super) use text::text;
 
+use super::carries::LARGEST;
 use super::error::{Problem, RecordingError};
 use super::layout::Layout;
 use super::stamp::{Origin, TimeUnit};
@@ -142,6 +143,20 @@ impl Table {
             Some(column) if column.is_empty() => Err(Problem::NoRows.in_file(&self.path)),
             _ => Ok(columns),
         }
+    }
+
+    /// Refuses the first value of columns that is no measurement and no command: beyond 1e27.
+    ///
+    /// # Errors
+    /// [`RecordingError`] with line and column.
+    pub fn possible(&self, names: &[&str], columns: &[Vec<f64>]) -> Result<(), RecordingError> {
+        for (name, values) in names.iter().zip(columns) {
+            if let Some(row) = values.iter().position(|value| value.abs() > LARGEST) {
+                let problem = |text| Problem::Impossible { text };
+                return Err(self.at_row(row, self.index(name)?, problem));
+            }
+        }
+        Ok(())
     }
 
     /// A column as strictly increasing stamps, s.

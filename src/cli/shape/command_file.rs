@@ -31,6 +31,7 @@ pub fn shape(file: &Path, args: &Args, train: &GridTrain) -> Result<ShapedFile, 
         .map(|name| table.index(name))
         .collect::<Result<Vec<_>, _>>()?;
     let columns = table.numbers(&names)?;
+    table.possible(&names, &columns)?;
     let shaped = shaping::shaped(&columns, train).map_err(CliError::input)?;
     let (given, rows) = (columns[0].len(), shaped[0].len());
     let path = args.out.join(&name);
