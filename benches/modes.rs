@@ -86,10 +86,21 @@ fn size(left: &[Left]) -> f64 {
     (left.iter().map(|left| left.residual.powi(2)).sum::<f64>() / left.len() as f64).sqrt()
 }
 
+/// A random programme; `--folds` lets the inertia change along the way, not the stiffness.
+fn programme_of(seed: u64) -> Programme {
+    let mut programme = random::programme(seed);
+    let folds = std::env::args().any(|word| word == "--folds");
+    programme
+        .modes
+        .iter_mut()
+        .for_each(|mode| mode.folds = folds);
+    programme
+}
+
 /// What random programmes leave over what they leave without adaptation.
 fn campaign(count: u64, from: u64) {
     let run = |seed: u64| {
-        let programme = random::programme(seed);
+        let programme = programme_of(seed);
         let [fixed, adaptive, learned] =
             [Policy::Fixed, Policy::Adaptive, Policy::Learned].map(|policy| programme.run(policy));
         let ratio = |left: &[Left], skip: usize| size(&left[skip..]) / size(&fixed[skip..]);
@@ -145,7 +156,7 @@ fn number(name: &str) -> Option<u64> {
 
 fn main() {
     if let Some(seed) = number("--seed") {
-        let programme = random::programme(seed);
+        let programme = programme_of(seed);
         println!(
             "{}\n{:?} belief {:.2} Hz, {}",
             programme.name, programme.modes, programme.belief_hz, programme.shaper

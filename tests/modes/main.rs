@@ -111,6 +111,32 @@ fn a_pose_never_visited_is_shaped_for_what_the_map_predicts() {
     assert!(all[10] <= 4.0, "{all:?}");
 }
 
+/// `w^2 = k / J` follows the pose alike, but an inertia that changes pushes, too. Odds of twenty to one are usual for a finding.
+#[test]
+fn moves_tell_an_inertia_that_changes_from_a_stiffness() {
+    for (folds, belief) in [(false, 8.0), (false, 10.0), (true, 8.0), (true, 10.0)] {
+        let mode = PlantMode { folds, ..posed() };
+        let programme = arm(&[mode], belief, &TARGETS);
+        let (left, learner) = programme.run_and_learn(Policy::Learned);
+        let all = percent(&left, &programme.run(Policy::Unshaped));
+        let odds = learner.memory().odds;
+        println!("folds {folds}, belief {belief} Hz: {odds:.1}, {all:.2?}");
+        let certain = 20f64.ln();
+        assert!(
+            if folds {
+                odds > certain
+            } else {
+                odds < -certain
+            },
+            "{odds}"
+        );
+        assert!(
+            median(&all[2..]) <= 1.0 && worst(&all[2..]) <= 3.0,
+            "{all:?}"
+        );
+    }
+}
+
 /// The first move with a payload between two that were carried, of a small arm and of a large one: kg that it carries at most.
 #[test]
 fn a_declared_payload_is_shaped_for_from_its_first_move() {

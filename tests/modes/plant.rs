@@ -19,6 +19,8 @@ pub struct PlantMode {
     /// Relative change of the frequency at 1 rad, and by the square.
     pub slope: f64,
     pub bend: f64,
+    /// Whether the inertia makes that change, as of an arm that folds, and not the stiffness.
+    pub folds: bool,
     /// Inertia that a payload of 1 adds, over that without.
     pub payload: f64,
 }
@@ -31,14 +33,29 @@ impl PlantMode {
             participation,
             slope: 0.0,
             bend: 0.0,
+            folds: false,
             payload: 0.0,
         }
     }
 
+    fn pose(&self, position: f64) -> f64 {
+        1.0 + self.slope * position + self.bend * position * position
+    }
+
     /// Natural frequency (rad/s) at a position and payload.
     fn frequency(&self, position: f64, payload: f64) -> f64 {
-        let pose = 1.0 + self.slope * position + self.bend * position * position;
+        let pose = self.pose(position);
         std::f64::consts::TAU * self.hertz * pose / (1.0 + self.payload * payload).sqrt()
+    }
+
+    /// `-J' / (2 J)` of the inertia over the pose: `J` is as `1 / w^2`.
+    fn folding(&self, position: f64) -> f64 {
+        let slope = self.slope + 2.0 * self.bend * position;
+        if self.folds {
+            slope / self.pose(position)
+        } else {
+            0.0
+        }
     }
 }
 
@@ -133,7 +150,9 @@ impl Plant {
             let stretch = (own[0].abs() - b).max(0.0).copysign(own[0]);
             let rub = f * (own[1] / (10.0 * w * f.max(1e-9))).tanh();
             let pull = w * w * (stretch + rub) + 2.0 * mode.damping * w * own[1];
-            slope.extend([own[1], -pull - mode.participation * acceleration]);
+            // Lagrange: J a + J' v^2 / 2 is the torque at the link.
+            let pushed = mode.folding(state[0]) * (state[1] + own[1]).powi(2);
+            slope.extend([own[1], -pull + mode.participation * (pushed - acceleration)]);
         }
         slope
     }

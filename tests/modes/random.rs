@@ -23,6 +23,7 @@ pub fn programme(seed: u64) -> Programme {
         participation: if k == 0 { 1.0 } else { any(0.2, 1.0) },
         slope: slope * any(0.5, 1.0),
         bend: bend * any(0.5, 1.0),
+        folds: false,
         payload: load * any(0.5, 1.0),
     });
     let modes: Vec<PlantMode> = modes.collect();

@@ -71,6 +71,14 @@ pub fn posed() -> PlantMode {
     }
 }
 
+/// The same by its inertia.
+fn folding() -> PlantMode {
+    PlantMode {
+        folds: true,
+        ..posed()
+    }
+}
+
 /// The result of a move, and the peak of the true deformation once the motor side stands, rad.
 pub fn go(world: &mut World, target: f64, shaper: Option<&str>) -> (MoveResult, f64) {
     run(world, of_target(target, shaper), target)
@@ -213,6 +221,9 @@ fn what_a_move_has_left_is_told_as_the_arm_did_it() {
         (10.0, vec![posed()], 11.0, quick),
         (8.0, vec![posed()], 11.0, quick),
         (8.0, vec![posed()], 11.0, 0.3 * quick),
+        (8.0, vec![folding()], 11.0, quick),
+        (10.0, vec![folding()], 11.0, quick),
+        (8.0, vec![folding()], 11.0, 0.3 * quick),
     ] {
         let [data, other] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
         let [mut shaped, mut unshaped] = [&data, &other].map(|data| {
@@ -519,13 +530,13 @@ fn a_pose_never_visited_is_shaped_for_as_the_map_predicts() {
         [30.0, 15.0, 28.0, 5.0, 20.0, 10.0, 25.0, 2.0, 30.0, 0.0],
     ];
     let programmes = SEEN.iter().flat_map(|seen| [(seen, 8.0), (seen, 10.0)]);
-    for (seen, belief) in programmes {
+    for ((seen, belief), mode) in programmes.flat_map(|one| [(one, posed()), (one, folding())]) {
         for limits in [None, Some(ORDINARY)] {
             let [data, other] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
             let [mut shaped, mut unshaped] = [&data, &other].map(|data| {
                 let mut settings = settings_of(data.path(), belief);
                 settings.joints[0].limits = limits.unwrap_or(settings.joints[0].limits);
-                world_of(settings, &[posed()])
+                world_of(settings, &[mode])
             });
             let mut go = |degrees: f64| {
                 let target = degrees.to_radians();
@@ -533,15 +544,19 @@ fn a_pose_never_visited_is_shaped_for_as_the_map_predicts() {
                     world.steps(RUNG);
                 }
                 let (_, all) = go(&mut unshaped, target, Some("none"));
-                (go(&mut shaped, target, None).1, all)
+                let (told, left) = go(&mut shaped, target, None);
+                (left, all, told)
             };
             for degrees in seen {
                 go(*degrees);
             }
-            let (left, all) = go(60.0);
+            let (left, all, told) = go(60.0);
+            let [said, std] =
+                [told.unshaped_rad, told.unshaped_std_rad].map(Option::unwrap_or_default);
             let words = format!(
-                "from {} deg, belief {belief} Hz, {}: {:.2} % of {all:.2e} rad",
+                "from {} deg, belief {belief} Hz, folds {}, {}: {:.2} % of {all:.2e} rad, told {said:.2e} std {std:.1e}",
                 seen[9],
+                mode.folds,
                 if limits.is_none() {
                     "quick"
                 } else {

@@ -133,7 +133,7 @@ impl Explained {
             })
             .collect();
         let log_w = |position| self.way.value(&point.log_w, position);
-        let [across, ..] = columns(&samples, log_w, point.xi).of;
+        let [across, ..] = columns(&samples, log_w, point.xi, self.fit.cause).of;
         // The measured amplitude is taken after this delay, too.
         let end = seen.planned.len() + followed;
         let at = |range: core::ops::Range<usize>| -> Vec<(f64, f64)> {

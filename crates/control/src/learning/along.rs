@@ -1,7 +1,7 @@
 //! Several modes during a move: their fit to the samples so far, and the train to go on with.
 
 use super::forecast::{Expected, Forecast};
-use super::listening::{FEWEST, in_order};
+use super::listening::{Explanation, FEWEST, in_order};
 use super::path::Way;
 use super::prescription::{Hold, ModeOnWay, Prescription};
 use super::{Learner, Surroundings};
@@ -29,7 +29,7 @@ impl Learner {
             return None;
         }
         let places = surroundings.places(&way, self.settings.inertia.as_ref());
-        let (fit, _) = self.explain(&samples, way, &places)?;
+        let Explanation { fit, .. } = self.explain(&samples, way, &places)?;
         let expected: Vec<Expected> = fit.modes.iter().map(Expected::from).collect();
         let modes = self.modes_on_way(plan, way, &expected);
         if self.hold(&modes) != Some(Hold::SeveralModes) {

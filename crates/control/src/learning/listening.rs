@@ -1,12 +1,13 @@
 //! The fit of modes to the samples of a move.
 
+use super::cause::{self, Cause};
 use super::fit::{Fit, Problem};
 use super::forecast::{Expected, Forecast};
 use super::map::Place;
 use super::mode_map::ModeMap;
 use super::monitor::{self, Outcome};
 use super::path::{NODES, Way};
-use super::point::Prior;
+use super::point::{Point, Prior};
 use super::{Explained, Learner, Pending, Surroundings, order};
 use crate::estimators::Sample;
 use quell_trajectories::SampledTrajectory;
@@ -17,6 +18,16 @@ pub(super) const FEWEST: usize = 64;
 const FORGETS: f64 = 0.5;
 /// Largest inflation by the residual's colour that counts as white: a correlation of neighbours of 0.2.
 const COLOURED: f64 = 1.5;
+
+/// What explains a move.
+pub(super) struct Explanation {
+    /// Its fit.
+    pub fit: Fit,
+    /// Whether its modes are the known ones.
+    pub are_theirs: bool,
+    /// Logarithm of the odds that the inertia changes along the way, and not the stiffness, with this move.
+    pub odds: f64,
+}
 
 impl Learner {
     /// Learns from the samples of a move, from its start until it has rung out, and its plan. `None` where too
@@ -37,11 +48,17 @@ impl Learner {
             return None;
         }
         let places = surroundings.places(&way, self.settings.inertia.as_ref());
-        let Some((fit, are_theirs)) = self.explain(&samples, way, &places) else {
+        let Some(explanation) = self.explain(&samples, way, &places) else {
             self.modes.clear();
             self.unexplained = 1.0;
             return None;
         };
+        let Explanation {
+            fit,
+            are_theirs,
+            odds,
+        } = explanation;
+        self.odds = odds;
         if !are_theirs {
             // The arm has changed since the map was learned, or is not described by modes: the old map is of no
             // use.
@@ -70,9 +87,50 @@ impl Learner {
         self.pending = None;
     }
 
-    /// The fit of a move, and whether its modes are the known ones.
+    /// The fit of a move, with the stiffness or the inertia changing along the way: which of them, all moves so far and this
+    /// one decide.
     pub(super) fn explain(
         &self,
+        samples: &[Sample],
+        way: Way,
+        places: &[Place; NODES],
+    ) -> Option<Explanation> {
+        let (likely, other) = self.causes(self.odds);
+        let (fit, are_theirs) = self.explain_by(likely, samples, way, places)?;
+        let mut explanation = Explanation {
+            odds: self.odds,
+            fit,
+            are_theirs,
+        };
+        explanation.odds += self.odds_of(&explanation.fit, other, samples, way);
+        if self.causes(explanation.odds).0 == other
+            && let Some(better) = self.explain_by(other, samples, way, places)
+        {
+            (explanation.fit, explanation.are_theirs) = better;
+        }
+        Some(explanation)
+    }
+
+    /// What the odds say, and the other.
+    fn causes(&self, odds: f64) -> (Cause, Cause) {
+        Cause::by_odds(odds, self.settings.inertia.is_some())
+    }
+
+    /// What a move adds to the odds: its modes are fitted with the other cause, from where they are.
+    fn odds_of(&self, fit: &Fit, other: Cause, samples: &[Sample], way: Way) -> f64 {
+        let mut problem = Problem::new(samples, way, fit.range, other);
+        let start: Vec<Point> = fit.modes.iter().map(|mode| mode.point).collect();
+        let priors: Vec<Prior> = fit.modes.iter().map(|mode| mode.prior).collect();
+        let with_other = problem.fit(&start, &priors);
+        // Where neither leaves only white noise, neither is what moves, and their ratio is no evidence.
+        let with_other = with_other.filter(|other| other.inflation.min(fit.inflation) <= COLOURED);
+        with_other.map_or(0.0, |with_other| cause::odds(fit, &with_other, samples))
+    }
+
+    /// The fit of a move with one cause, and whether its modes are the known ones.
+    fn explain_by(
+        &self,
+        cause: Cause,
         samples: &[Sample],
         way: Way,
         places: &[Place; NODES],
@@ -81,7 +139,7 @@ impl Learner {
         let range = (range[0], range[1]);
         let priors: Vec<Prior> = self.modes.iter().map(|mode| mode.prior(places)).collect();
         let fit = |priors: &[Prior]| {
-            let mut problem = Problem::new(samples, way, range);
+            let mut problem = Problem::new(samples, way, range, cause);
             order::explain(samples, &mut problem, priors)
         };
         let known = match priors.as_slice() {

@@ -25,6 +25,9 @@ pub struct Memory {
     pub variance: f64,
     /// Part of the unshaped vibration that the modes leave unexplained, squared.
     pub unexplained: f64,
+    /// Logarithm of the odds that the inertia changes along the way, and not the stiffness.
+    #[serde(default)]
+    pub odds: f64,
 }
 
 /// A mode.
@@ -95,7 +98,9 @@ impl Memory {
     fn maps(&self) -> Option<Vec<ModeMap>> {
         let others = [&self.unexplained, &self.variance];
         let mut numbers = self.outcomes.iter().chain(others);
-        let sound = numbers.all(|x| x.is_finite() && *x >= 0.0) && self.modes.len() <= MOST;
+        let sound = numbers.all(|x| x.is_finite() && *x >= 0.0)
+            && self.odds.is_finite()
+            && self.modes.len() <= MOST;
         let maps = self.modes.iter().map(ModeMemory::map);
         maps.collect::<Option<_>>().filter(|_| sound)
     }
@@ -115,6 +120,7 @@ impl Learner {
             outcomes: [base, adapted, weight],
             variance,
             unexplained: self.unexplained,
+            odds: self.odds,
         }
     }
 
@@ -142,6 +148,7 @@ impl Learner {
             variance: memory.variance,
         };
         self.unexplained = memory.unexplained;
+        self.odds = memory.odds;
         true
     }
 }

@@ -10,6 +10,7 @@
 
 mod account;
 mod along;
+mod cause;
 mod chart;
 mod choice;
 mod described;
@@ -100,6 +101,8 @@ pub struct Learner {
     monitor: Monitor,
     /// Part of the unshaped vibration that the modes leave unexplained, squared, over the last moves.
     unexplained: f64,
+    /// Logarithm of the odds that the inertia changes along the way, and not the stiffness, by the moves so far.
+    odds: f64,
     pending: Option<Pending>,
 }
 
@@ -111,6 +114,7 @@ impl Learner {
             modes: Vec::new(),
             monitor: Monitor::default(),
             unexplained: 0.0,
+            odds: 0.0,
             pending: None,
         }
     }
@@ -130,6 +134,7 @@ impl Learner {
         self.modes.clear();
         self.monitor = Monitor::default();
         self.unexplained = 0.0;
+        self.odds = 0.0;
         self.pending = None;
     }
 }

@@ -91,6 +91,14 @@ pub fn excludes(better: &Fit, worse: &Fit, samples: &[Sample]) -> bool {
     evidence > CHANCE + more * UNKNOWNS * independent(better).max(1.0).ln()
 }
 
+/// Twice the logarithm of the likelihood ratio of two fits of the same samples with as many unknowns. Of their residuals the
+/// one of more colour counts.
+pub fn evidence(one: &Fit, other: &Fit, samples: &[Sample]) -> f64 {
+    let mean = |fit: &Fit| fit.square / fit.samples.max(1.0) + negligible(samples);
+    let independent = independent(one).min(independent(other));
+    independent * (mean(other) / mean(one)).ln()
+}
+
 /// Number of independent samples of a fit.
 fn independent(fit: &Fit) -> f64 {
     fit.samples / fit.inflation

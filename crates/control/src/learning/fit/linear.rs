@@ -38,7 +38,7 @@ impl Problem<'_> {
                 .value(&point.log_w, position)
                 .clamp(self.range.0, self.range.1)
         };
-        columns(self.samples, log_w, point.xi).of
+        columns(self.samples, log_w, point.xi, self.cause).of
     }
 
     fn design(&self, points: &[Point]) -> DMatrix<f64> {

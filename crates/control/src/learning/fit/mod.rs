@@ -16,6 +16,7 @@ mod linear;
 use nalgebra::{DVector, SMatrix};
 
 use self::linear::COMMON;
+use super::cause::Cause;
 use super::path::Way;
 use super::point::{OF_A_MODE, Point, Prior};
 use super::response::COLUMNS;
@@ -61,6 +62,8 @@ pub struct Fit {
     pub residual: Vec<f64>,
     /// Lowest and highest `ln w` in range.
     pub range: (f64, f64),
+    /// What changes along the way.
+    pub cause: Cause,
 }
 
 impl Fit {
@@ -79,6 +82,8 @@ pub struct Problem<'a> {
     pub way: Way,
     /// Lowest and highest `ln w`.
     pub range: (f64, f64),
+    /// What changes along the way.
+    pub cause: Cause,
     counts: Vec<bool>,
     slopes: Vec<f64>,
     largest: f64,
@@ -86,7 +91,7 @@ pub struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     /// A problem for finite samples in the order of time.
-    pub fn new(samples: &'a [Sample], way: Way, range: (f64, f64)) -> Self {
+    pub fn new(samples: &'a [Sample], way: Way, range: (f64, f64), cause: Cause) -> Self {
         let slope = |k: usize| {
             let (a, b) = (
                 samples[k.saturating_sub(1)],
@@ -101,6 +106,7 @@ impl<'a> Problem<'a> {
             samples,
             way,
             range,
+            cause,
         }
     }
 
@@ -158,6 +164,7 @@ impl<'a> Problem<'a> {
             coloured: colour.coloured(),
             residual,
             range: self.range,
+            cause: self.cause,
         })
     }
 }
