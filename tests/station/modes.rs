@@ -413,6 +413,25 @@ fn the_map_survives_a_restart_and_is_forgotten() {
     assert!(last.joint().map.modes.is_empty());
 }
 
+/// A robot that starts by its own clock and then goes by the stamps of the setpoints sets its clock back; or on.
+#[test]
+fn a_robot_whose_clock_was_set_is_learned_from() {
+    for leap in [0.0, -8e4, -2.0, 1e4] {
+        let data = tempfile::tempdir().expect("a folder");
+        let mut world = world(data.path(), 9.0, &two());
+        go(&mut world, 0.2, None);
+        world.set_robot_clock(leap);
+        world.steps(RUNG);
+        let before = world.joint().learning;
+        for degrees in &TARGETS[..3] {
+            let (told, _) = go(&mut world, degrees.to_radians(), None);
+            assert!(told.residual_rad.is_some(), "{leap} {degrees}");
+        }
+        let after = world.joint().learning;
+        assert_eq!(after.modes.len(), 2, "{leap}: {before:?} {after:?}");
+    }
+}
+
 /// Nothing is solved for a robot whose moves are not enabled, and nothing is learned without adaptation.
 #[test]
 fn a_disabled_or_unadaptive_service_prescribes_nothing() {

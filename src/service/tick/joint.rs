@@ -43,6 +43,8 @@ pub struct JointTick {
     /// Whether the frame of the tip's sensor is known; until then the sensor is ignored.
     registered: bool,
     frozen: bool,
+    /// Stamp of the last position of the motor side that the controller was given, s.
+    stamped: f64,
     /// Whether only noise is measured.
     quiet: bool,
     hearing: Hearing,
@@ -74,6 +76,7 @@ impl JointTick {
             controller: None,
             guard: Guard::new(bounds),
             limits: bounds.limits,
+            stamped: f64::NEG_INFINITY,
             inbox: Vec::with_capacity(INBOX),
             waiting: None,
             released: false,

@@ -38,8 +38,23 @@ impl JointTick {
         if measured.quantity == Quantity::TipPosition && !self.registered {
             return;
         }
+        if measured.quantity == Quantity::MotorPosition {
+            // Only a clock that was set back stamps earlier than before: what the link hands on is in order.
+            if measured.stamp < self.stamped {
+                self.begin_anew();
+            }
+            self.stamped = measured.stamp;
+        }
         if self.inbox.len() < self.inbox.capacity() {
             self.inbox.push(measurement);
+        }
+    }
+
+    /// Discards what was measured by another clock: nothing of it can be aligned with what comes.
+    fn begin_anew(&mut self) {
+        self.inbox.clear();
+        if let Some(controller) = self.controller.as_deref_mut() {
+            controller.restart_estimation();
         }
     }
 
