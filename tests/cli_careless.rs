@@ -243,6 +243,29 @@ fn a_score_of_a_recording_that_is_too_slow_for_the_model_is_refused_with_the_rat
     refused(folder.path(), &diagnose, words);
 }
 
+/// A first stamp from before the clock was set: 54 years to the next one, which nothing simulates.
+#[test]
+fn a_stamp_of_another_clock_is_refused_with_the_one_before_it() {
+    let folder = folder();
+    let set = changed(|rows| {
+        for (k, row) in rows.iter_mut().enumerate().skip(1) {
+            let comma = row.find(',').unwrap();
+            *row = format!("{}{}", 1.7e9 + 4e-3 * k as f64, &row[comma..]);
+        }
+    });
+    std::fs::write(folder.path().join("run.csv"), set).unwrap();
+    let manifest = MANIFEST.replace("good.csv", "run.csv");
+    std::fs::write(folder.path().join("run.toml"), manifest).unwrap();
+    let words = "1.7e9 s";
+    for arguments in [
+        &["score", "model.toml", "run.toml"][..],
+        &["diagnose", "--model", "model.toml", "run.toml"],
+        &["identify", "run.toml"],
+    ] {
+        refused(folder.path(), arguments, words);
+    }
+}
+
 #[test]
 fn each_kind_of_model_is_listed_once() {
     let folder = folder();

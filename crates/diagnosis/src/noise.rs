@@ -106,7 +106,28 @@ fn at_rest(output: &Output, residual: &[f64], quiet: &[std::ops::Range<usize>]) 
             left
         }
     };
-    quietest(quiet.iter().map(quieter).collect())
+    quietest(quiet.iter().map(quieter).flat_map(steady).collect())
+}
+
+/// A rest, or those thirds of it that are as quiet as the quietest one, where the others are louder by more than chance: what
+/// hit the machine there makes it ring.
+fn steady(rest: Vec<f64>) -> Vec<Vec<f64>> {
+    if rest.len() < 3 * SHORTEST {
+        return vec![rest];
+    }
+    let thirds: Vec<&[f64]> = rest.chunks(rest.len().div_ceil(3)).collect();
+    let quietest = thirds.iter().min_by(|a, b| power(a).total_cmp(&power(b)));
+    let most = quietest.map_or(0.0, |own| {
+        let independent = own.len() as f64 / correlation(&DVector::from_column_slice(own));
+        power(own) * beyond_chance(independent)
+    });
+    match thirds.iter().all(|own| power(own) <= most) {
+        true => vec![rest],
+        false => {
+            let quiet = thirds.into_iter().filter(|own| power(own) <= most);
+            quiet.map(detrended).collect()
+        }
+    }
 }
 
 /// Relative standard deviation of the level of the noise in these stretches.
@@ -181,10 +202,14 @@ fn moved(experiment: &Experiment) -> bool {
 fn quietest(stretches: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let long = stretches.iter().filter(|s| s.len() >= SHORTEST);
     let least = long.map(|s| power(s)).fold(f64::INFINITY, f64::min);
-    // Four standard deviations of a variance of that many samples, both ways.
-    let most = least * (1.0 + 8.0 * (2.0 / SHORTEST as f64).sqrt());
+    let most = least * beyond_chance(SHORTEST as f64);
     let quiet = |s: &Vec<f64>| s.len() >= SHORTEST && power(s) <= most;
     stretches.into_iter().filter(quiet).collect()
+}
+
+/// Ratio of two variances of so many independent samples each that chance does not exceed: four standard deviations, both ways.
+fn beyond_chance(samples: f64) -> f64 {
+    1.0 + 8.0 * (2.0 / samples).sqrt()
 }
 
 fn power(values: &[f64]) -> f64 {

@@ -60,6 +60,9 @@ pub enum Hold {
     Mean(f64),
 }
 
+/// Most nodes of a grid: 0.8 GB.
+const MOST: f64 = 2e7;
+
 /// Nodes of the integration and the input between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
@@ -74,9 +77,10 @@ impl Grid {
     ///
     /// # Errors
     /// [`SignalError`] for fewer than two samples, values that are not finite, times that do not
-    /// advance.
+    /// advance, and more than 2e7 nodes.
     pub fn new(time: &[f64], values: &[f64], hold: Hold, step: f64) -> Result<Self, SignalError> {
         check_knots(time, values)?;
+        short_enough(time, hold, step)?;
         if let Hold::Smooth(spacing) = hold {
             let (time, values) = smooth(time, values, spacing);
             return Self::new(&time, &values, Hold::Spline, step);
@@ -127,6 +131,28 @@ impl Grid {
         let steps = self.time.windows(2).map(|w| w[1] - w[0]);
         steps.fold(0.0, f64::max)
     }
+}
+
+/// Refuses stamps over which there would be more than [`MOST`] nodes.
+fn short_enough(time: &[f64], hold: Hold, step: f64) -> Result<(), SignalError> {
+    let spacing = match hold {
+        Hold::Smooth(spacing) | Hold::Mean(spacing) => spacing.min(step),
+        _ => step,
+    };
+    let steps = (time[time.len() - 1] - time[0]) / spacing;
+    if steps <= MOST {
+        return Ok(());
+    }
+    let pause = |pair: &[f64]| pair[1] - pair[0];
+    let longest = time.windows(2).max_by(|a, b| pause(a).total_cmp(&pause(b)));
+    let [before, after] = longest.map_or([time[0]; 2], |pair| [pair[0], pair[1]]);
+    Err(SignalError::TooLong {
+        what: "the input",
+        before,
+        after,
+        steps,
+        most: MOST,
+    })
 }
 
 /// Stamps at about this spacing, with the first and the last, and the mean of an input from each to the next. A force and its mean

@@ -84,6 +84,23 @@ pub enum SignalError {
         /// Its stamp, s.
         time: f64,
     },
+    /// Stamps so far apart that nothing can be simulated over them.
+    #[error(
+        "{what}: {} s follows {} s, and the simulation would take {steps:.1e} steps, {most:.0e} at most: is a stamp of another clock?",
+        plain(*.after), plain(*.before)
+    )]
+    TooLong {
+        /// Which series.
+        what: &'static str,
+        /// The stamp before the longest pause, s.
+        before: f64,
+        /// The stamp after it, s.
+        after: f64,
+        /// Steps over all stamps.
+        steps: f64,
+        /// Most steps.
+        most: f64,
+    },
     /// Points that do not determine a transform.
     #[error(
         "the points do not determine the frame: rotation about ({:.3}, {:.3}, {:.3}) is free",
