@@ -256,14 +256,18 @@ fn a_stamp_of_another_clock_is_refused_with_the_one_before_it() {
     std::fs::write(folder.path().join("run.csv"), set).unwrap();
     let manifest = MANIFEST.replace("good.csv", "run.csv");
     std::fs::write(folder.path().join("run.toml"), manifest).unwrap();
-    let words = "1.7e9 s";
+    let words = "1700000000.004 s follows 0 s";
     for arguments in [
         &["score", "model.toml", "run.toml"][..],
         &["diagnose", "--model", "model.toml", "run.toml"],
-        &["identify", "run.toml"],
     ] {
         refused(folder.path(), arguments, words);
     }
+    refused(
+        folder.path(),
+        &["identify", "run.toml"],
+        "no mode was found",
+    );
 }
 
 #[test]

@@ -585,7 +585,7 @@ fn val_smooth_coulomb_friction_by_hand() {
     let Law::Friction(law) = (effect.law)(&[2.0, 0.1]) else {
         panic!("it is no friction")
     };
-    let half = law.level(-1.0, 0.05 * 3f64.ln());
+    let half = law.level(-1.0, 0.0, 0.05 * 3f64.ln());
     assert!((half - 1.0).abs() < 1e-15, "{half}");
     assert_eq!(law.breakaway, [0.0; 2]);
 }

@@ -48,9 +48,11 @@ impl Corrections {
             let Some(effect) = learned(term) else {
                 continue;
             };
+            // Over the speeds of the axis also where two sides slip: a friction that changes within the speeds of a slip is
+            // another law.
             let neutral = Term {
                 effect,
-                values: effect.starts_at(term.place, &problem.scales).swap_remove(0),
+                values: (effect.starts)(&problem.scales).swap_remove(0),
                 ..term.clone()
             };
             let mut own = Correction {

@@ -9,10 +9,6 @@
 //! Neither has an unknown that the other lacks. The likelihood of the moves decides between them: it is a
 //! property of the arm, so that the evidence of the moves adds up.
 
-use super::fit::Fit;
-use super::order;
-use crate::estimators::Sample;
-
 /// What changes along the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
@@ -34,16 +30,10 @@ impl Cause {
     }
 
     /// 1 for the inertia, -1 for the stiffness.
-    fn sign(self) -> f64 {
+    pub fn sign(self) -> f64 {
         match self {
             Self::Stiffness => -1.0,
             Self::Inertia => 1.0,
         }
     }
-}
-
-/// The logarithm of the odds that the inertia changes, by one move, from its fit with one cause and that with the
-/// other.
-pub fn odds(one: &Fit, other: &Fit, samples: &[Sample]) -> f64 {
-    0.5 * one.cause.sign() * order::evidence(one, other, samples)
 }

@@ -1,6 +1,6 @@
 //! The fit of modes to the samples of a move.
 
-use super::cause::{self, Cause};
+use super::cause::Cause;
 use super::fit::{Fit, Problem};
 use super::forecast::{Expected, Forecast};
 use super::map::Place;
@@ -124,7 +124,9 @@ impl Learner {
         let with_other = problem.fit(&start, &priors);
         // Where neither leaves only white noise, neither is what moves, and their ratio is no evidence.
         let with_other = with_other.filter(|other| other.inflation.min(fit.inflation) <= COLOURED);
-        with_other.map_or(0.0, |with_other| cause::odds(fit, &with_other, samples))
+        with_other.map_or(0.0, |with_other| {
+            0.5 * fit.cause.sign() * order::evidence(fit, &with_other, samples)
+        })
     }
 
     /// The fit of a move with one cause, and whether its modes are the known ones.
