@@ -235,7 +235,10 @@ fn bad_input_is_refused() {
         ("--command clock.csv --column q", "--rate"),
         ("--command linear.toml", "in m, but the joint turns"),
         ("--command none.toml", "no command_position"),
-        ("--command two.toml", "2 channels"),
+        (
+            "--command two.toml",
+            "two.toml:9: role: \"command_position\" stands twice",
+        ),
         ("--command absent", "absent"),
         (
             "--command linear.toml --out .",
