@@ -7,6 +7,7 @@
 //! shifts the frequency), the effect is simulated a second time with these parameters moved against it. The
 //! second-order rest of a large shift would otherwise hide it.
 
+use super::autocorrelation::correlation;
 use super::curves::{ordinates, root, size};
 use super::fit::Linearised;
 use super::point::{EffectAt, Point};
@@ -272,9 +273,10 @@ impl<'a> Screen<'a> {
         let gradient = slopes.tr_mul(&self.residual);
         // The residual is known no better than its own size allows.
         let unit = (self.residual.norm_squared() / self.residual.len() as f64).max(1.0);
-        let normal = slopes.tr_mul(&slopes) + DMatrix::identity(count, count) * unit;
-        let factors = Cholesky::new(normal / unit)?;
-        let white = -factors.solve(&gradient) / unit;
+        let normal = slopes.tr_mul(&slopes);
+        let factors =
+            |unit: f64| Cholesky::new(&normal / unit + DMatrix::<f64>::identity(count, count));
+        let white = -factors(unit)?.solve(&gradient) / unit;
         let values = root * &white;
         let mut start = neutral;
         let (low, high) = (effect.parameters[ordinates[0]].bounds)(&self.problem.scales);
@@ -287,7 +289,11 @@ impl<'a> Screen<'a> {
             score,
             factor: 1.0,
         };
-        let evidence = 0.5 * (score / unit - factors.ln_determinant());
+        // Samples that are correlated say less.
+        let unit = unit * correlation(&self.residual);
+        let factors = factors(unit)?;
+        let gain = factors.solve(&gradient).dot(&gradient) / unit;
+        let evidence = 0.5 * (gain / unit - factors.ln_determinant());
         evidence.is_finite().then_some((start, evidence))
     }
 
