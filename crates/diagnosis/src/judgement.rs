@@ -19,7 +19,7 @@ pub struct Judgement {
     pub with_payload: Option<Carrying>,
 }
 
-/// Judgement a model on a recording; offsets, clocks and start are fitted to all samples, or to the `first` alone.
+/// Judges a model by a recording; offsets, clocks and start are fitted to all samples, or to the `first` alone.
 ///
 /// # Errors
 /// As [`predict`] and [`forecast`].

@@ -24,7 +24,8 @@ impl Judge<'_> {
         let beyond = own.evidence.held_out_beyond_fit();
         own.evidence.left() <= most_of_noise(self.train_rows)
             && beyond <= most_of_noise(self.held_out_rows) + self.rounding
-            && !(own.is_learned() && own.held_out > certain(self.held_out_rows) + self.rounding)
+            && !(own.is_learned()
+                && own.held_out > times_noise(CERTAIN, self.held_out_rows) + self.rounding)
     }
 }
 
@@ -55,14 +56,14 @@ impl Search<'_> {
     }
 
     fn is_below(&self, own: &Explanation, times: f64) -> bool {
-        let below = |chi: f64, rows: usize| chi <= times * times * rows as f64;
-        below(own.train, self.judge.train_rows) && below(own.held_out, self.judge.held_out_rows)
+        own.train <= times_noise(times, self.judge.train_rows)
+            && own.held_out <= times_noise(times, self.judge.held_out_rows)
     }
 }
 
-/// Least chi-squared of a certain mismatch in as many rows.
-fn certain(rows: usize) -> f64 {
-    CERTAIN * CERTAIN * rows as f64
+/// Chi-squared of so many rows that are these `times` the noise.
+fn times_noise(times: f64, rows: usize) -> f64 {
+    times * times * rows as f64
 }
 
 /// Largest chi-squared of noise in as many rows. Its level is known within a tenth, and the chi-squared of `n` rows has

@@ -251,3 +251,31 @@ fn busy(values: &[f64], ranges: &[std::ops::Range<usize>]) -> Vec<f64> {
         .copied()
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+
+    /// White and slow noise are taken whole; of a rest in whose last third something rings, the other two are left.
+    #[test]
+    fn of_a_rest_the_third_that_rings_is_left_out() {
+        let slow = Whitening {
+            coefficients: vec![0.9],
+            moving_average: Vec::new(),
+            innovation: 0.19_f64.sqrt(),
+            deviation: 1.0,
+        };
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let white = Whitening::white(1.0).draw(600, &mut random);
+        for whole in [white.clone(), slow.draw(600, &mut random)] {
+            assert_eq!(steady(whole.clone()), [whole]);
+        }
+        let mut hit = white;
+        for (k, value) in hit[400..].iter_mut().enumerate() {
+            *value += 6.0 * (0.1 * k as f64).sin();
+        }
+        let lengths: Vec<usize> = steady(hit).iter().map(Vec::len).collect();
+        assert_eq!(lengths, [200, 200]);
+    }
+}

@@ -20,6 +20,7 @@ use quell_model::effects::{Effect, LEARNED, Law, Place, Scales, Slot};
 use quell_signal::SingularValues;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
 /// Share of the gain at another size that is believed, since effects are not linear in their size.
 const BELIEVED: f64 = 0.3;
@@ -106,6 +107,8 @@ pub struct Screen<'a> {
     residual: DVector<f64>,
     /// Maps rows to the least-squares step of the model's own unknowns.
     steps: DMatrix<f64>,
+    /// Samples of the residual that say as much as one independent one; it is made where learned laws are screened.
+    correlation: OnceLock<f64>,
 }
 
 /// Scores every candidate at every size of its grid, the best first, with at most `each` sizes for a candidate.
@@ -147,6 +150,7 @@ impl<'a> Screen<'a> {
             steps: steps(&directions),
             basis: orthonormal(directions),
             residual: stacked(&linear.residuals),
+            correlation: OnceLock::new(),
         }
     }
 
@@ -290,7 +294,7 @@ impl<'a> Screen<'a> {
             factor: 1.0,
         };
         // Samples that are correlated say less.
-        let unit = unit * correlation(&self.residual);
+        let unit = unit * self.correlation.get_or_init(|| correlation(&self.residual));
         let factors = factors(unit)?;
         let gain = factors.solve(&gradient).dot(&gradient) / unit;
         let evidence = 0.5 * (gain / unit - factors.ln_determinant());
