@@ -329,6 +329,27 @@ fn val_a_learned_friction_of_stribecks_levels_is_stribeck_friction() {
     );
 }
 
+/// A level that is the same everywhere is Coulomb's friction, which the law contains.
+#[test]
+fn val_a_constant_level_over_the_position_is_coulomb_friction() {
+    let level = 0.02;
+    let [own, coulomb] = ["learned_position_friction", "coulomb_friction"]
+        .map(|name| Effect::from_name(name).unwrap());
+    assert!(own.resolutions().all(|own| own.contains(coulomb)));
+    for (linear, place) in [
+        (MASS, Place::Drive),
+        (JOINT, Place::Transmission),
+        (JOINT, Place::Link),
+    ] {
+        let run = |law| at_knots(&simulate(linear, law, place, 0.1));
+        let constant = run(law_of(own.name, &sampled(-1.0, 1.0, |_| level)));
+        let expected = run(law_of(coulomb.name, &[level]));
+        let pairs = constant.iter().zip(&expected);
+        let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-12, "{place:?}: {off:e}");
+    }
+}
+
 #[test]
 fn learned_laws_converge_as_steps_are_halved() {
     for effect in LEARNED {

@@ -1,5 +1,6 @@
 //! Dry friction whose level depends on the position in any way.
 
+use super::coulomb_friction::COULOMB_FRICTION;
 use super::learned::{FINER, PARAMETERS, ordinate, parameters, spline, start};
 use super::{Effect, Friction, Law, Parameter, Place, Property, Quantity, Scales, Slot};
 
@@ -8,6 +9,7 @@ pub const LEARNED_POSITION_FRICTION: Effect = Effect {
     parameters: &parameters::<PARAMETERS>(ORDINATE, Quantity::POSITION),
     properties: &[
         Property::Slot(Slot::PositionFriction),
+        Property::Contains(&COULOMB_FRICTION),
         Property::Finer(&FINE),
     ],
     starts: over_position::<PARAMETERS>,
@@ -27,7 +29,10 @@ const FINE: Effect = Effect {
     remedy: "Look at the guide or gear where the level is high; compensate it by a table over the position.",
     law: |p| Law::Friction(Friction::over_position(spline(p))),
     parameters: &parameters::<FINER>(ORDINATE, Quantity::POSITION),
-    properties: &[Property::Slot(Slot::PositionFriction)],
+    properties: &[
+        Property::Slot(Slot::PositionFriction),
+        Property::Contains(&COULOMB_FRICTION),
+    ],
     starts: over_position::<FINER>,
 };
 
