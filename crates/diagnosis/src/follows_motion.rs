@@ -1,6 +1,7 @@
 //! Whether a residual grows with the motion. Missing physics does, noise does not.
 
 use super::detrended::detrended;
+use super::noise::most_at_rest;
 use super::point::Point;
 use super::problem::Problem;
 use super::thresholds::FLOOR;
@@ -28,14 +29,20 @@ impl Problem<'_> {
     /// mismatch proportional to the motion's power `m`, the logarithm of the residual's power would rise by `ln
     /// (1 + e m_b) - ln (1 + e m_a)`; for noise it does not rise. If the rise is less than half of that, and not
     /// above 0, both with 95 % confidence, the residual is noise: at half of it both likelihoods are equal. A
-    /// mismatch of another shape rises less than the motion's power.
+    /// mismatch of another shape rises less than the motion's power, and what rings after a hit does not rise: where the
+    /// noise was seen at rest for a period or longer, a residual that is larger than it is no noise either.
     pub fn follows_motion(&self, point: &Point) -> Option<bool> {
         let coupled = self.experiments.iter().any(|own| own.coupling.is_some());
         if self.scales.forced || coupled {
             return None;
         }
         let all = 0..self.experiments.len();
-        let mut windows: Vec<Powers> = all.flat_map(|e| self.powers(point, e)).collect();
+        let each: Vec<Vec<Powers>> = all.map(|e| self.powers(point, e)).collect();
+        let rests = each.iter().enumerate();
+        let exceeds_rest = rests
+            .into_iter()
+            .any(|(e, own)| self.exceeds_rest(point, e, own));
+        let mut windows: Vec<Powers> = each.into_iter().flatten().collect();
         windows.sort_by(|a, b| a.motion.total_cmp(&b.motion));
         let third = windows.len() / 3;
         if third < FEWEST {
@@ -51,7 +58,23 @@ impl Problem<'_> {
             let (rise, error) = (b - a, CHANCE * (var_a + var_b).sqrt());
             beyond > FLOOR - 1.0 && (rise + error > 0.5 * (moved - still) || rise > error)
         };
-        Some((0..outputs).any(grows))
+        Some(exceeds_rest || (0..outputs).any(grows))
+    }
+
+    /// Whether an output whose noise was measured at rest has a residual that is no such noise.
+    fn exceeds_rest(&self, point: &Point, e: usize, windows: &[Powers]) -> bool {
+        let experiment = &self.experiments[e];
+        let (scales, residuals) = (&self.scales, self.explained(point, e));
+        let rates = (
+            scales.natural_frequency * scales.damping_ratio,
+            scales.period(),
+        );
+        (0..experiment.outputs.len()).any(|k| {
+            let most = most_at_rest(experiment, &experiment.outputs[k], &residuals[k], rates);
+            let most = most.map(|most| most / self.noise[e][k].deviation.powi(2));
+            let left = mean(windows.iter().map(|own| own.left[k]));
+            most.is_some_and(|most| (1.0..left).contains(&most))
+        })
     }
 
     /// The powers of the windows of an experiment. A constant or linear residual is taken out: friction holds a

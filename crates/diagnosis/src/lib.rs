@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod all_rows;
 mod alternatives;
 mod autocorrelation;
 mod baseline;

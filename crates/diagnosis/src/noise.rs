@@ -99,14 +99,14 @@ fn shown(
 fn at_rest(output: &Output, residual: &[f64], quiet: &[std::ops::Range<usize>]) -> Vec<Vec<f64>> {
     let quieter = |range: &std::ops::Range<usize>| {
         let [left, all] =
-            [residual, &output.values].map(|values| detrended(&values[range.clone()]));
-        if power(&all) < power(&left) {
+            [residual, &output.values].map(|values| steady(detrended(&values[range.clone()])));
+        if power(&all.concat()) < power(&left.concat()) {
             all
         } else {
             left
         }
     };
-    quietest(quiet.iter().map(quieter).flat_map(steady).collect())
+    quietest(quiet.iter().flat_map(quieter).collect())
 }
 
 /// A rest, or those thirds of it that are as quiet as the quietest one, where the others are louder by more than chance: what
@@ -128,6 +128,22 @@ fn steady(rest: Vec<f64>) -> Vec<Vec<f64>> {
             quiet.map(detrended).collect()
         }
     }
+}
+
+/// Largest variance of the noise that its scatter at rest allows; `None` where no rest is as long as `shortest` (s).
+pub fn most_at_rest(
+    experiment: &Experiment,
+    output: &Output,
+    residual: &[f64],
+    (decay, shortest): (f64, f64),
+) -> Option<f64> {
+    let quiet = quiet(experiment, output, decay);
+    let rest = at_rest(output, residual, &quiet).concat();
+    let last = output.time.len().checked_sub(1)?;
+    let period = (output.time[last] - output.time[0]) / last as f64;
+    let is_long = rest.len() >= FEWEST && rest.len() as f64 * period >= shortest;
+    let independent = || rest.len() as f64 / correlation(&DVector::from_column_slice(&rest));
+    is_long.then(|| power(&rest) * beyond_chance(independent()))
 }
 
 /// Relative standard deviation of the level of the noise in these stretches.

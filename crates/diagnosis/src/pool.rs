@@ -27,6 +27,8 @@ struct Entry {
     extended: Vec<Table>,
     /// Whether it was fitted again without each of its effects.
     thinned: bool,
+    /// Whether it was fitted again from the optimum of all rows.
+    from_all: bool,
 }
 
 /// Explanations, each with a structure of its own.
@@ -48,6 +50,7 @@ impl Pool {
                 own: baseline,
                 extended: Vec::new(),
                 thinned: false,
+                from_all: false,
             }],
             looked_ahead: false,
             is_unfinished: false,
@@ -66,8 +69,32 @@ impl Pool {
                 own: next,
                 extended: Vec::new(),
                 thinned: false,
+                from_all: false,
             }),
         }
+    }
+
+    /// Puts an explanation in the place of a less probable one of the same structure.
+    pub fn put(&mut self, next: Explanation, temperature: f64) {
+        let odds = |own: &Explanation| own.log_evidence(temperature);
+        let like = self.all.iter_mut().find(|entry| entry.own.is_like(&next));
+        if let Some(entry) = like.filter(|entry| odds(&next) > odds(&entry.own)) {
+            entry.own = next;
+            entry.thinned = false;
+        }
+    }
+
+    /// Marks structures as fitted again from the optimum of all rows.
+    pub fn mark_fitted_to_all(&mut self, each: &[Explanation]) {
+        for entry in &mut self.all {
+            entry.from_all |= each.iter().any(|own| entry.own.is_like(own));
+        }
+    }
+
+    /// Whether a structure was fitted again from the optimum of all rows.
+    pub fn is_fitted_to_all(&self, own: &Explanation) -> bool {
+        let mut all = self.all.iter().filter(|entry| entry.from_all);
+        all.any(|entry| entry.own.is_like(own))
     }
 
     /// Number of structures.
@@ -90,6 +117,7 @@ impl Pool {
                 // A parameter may have reached the end of its range, and the structures without its effect may not be kept.
                 thinned: entry.thinned && !own.is_at_end(),
                 extended: entry.extended.clone(),
+                from_all: entry.from_all,
                 own,
             }
         };

@@ -47,7 +47,8 @@ impl Search<'_> {
                 || self.name(pool)
                 || self.exchange(pool)
                 || self.look_ahead(pool)
-                || self.extend_rivals(pool);
+                || self.extend_rivals(pool)
+                || self.fit_to_all_rows(pool);
             if !is_better {
                 return;
             }

@@ -85,9 +85,10 @@ impl Contest<'_> {
             ),
         };
         let parts = || ideas.iter().map(|&idea| &self.ideas.all[idea]);
-        let moves: usize = parts().map(|idea| idea.moves.len().max(1)).sum();
+        let most = self.ideas.most_moves;
+        let moves: usize = parts().map(|idea| idea.moves(most)).sum();
         let duration: f64 = parts().map(Idea::duration).sum();
-        let fits = moves <= self.ideas.most_moves && duration <= self.ideas.longest;
+        let fits = moves <= most && duration <= self.ideas.longest;
         let apart = self.rivals.iter().zip(&said);
         let apart = apart.map(|(rival, said)| rival.estimate(said) / self.unit);
         let apart = apart.collect();

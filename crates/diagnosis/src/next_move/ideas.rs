@@ -12,13 +12,21 @@ use quell_recording::Role;
 pub struct Idea {
     /// Its input and the stamps of its sensors.
     pub experiment: Experiment,
-    /// Its moves, which end where they start; empty if the input cannot be commanded as a motion.
+    /// Its moves, which end where they start; empty if the recorded input is repeated.
     pub moves: Vec<ProposedMove>,
-    /// Share of the recorded input that it repeats, if there are no moves.
+    /// Share of the recorded input that it repeats; 1 if there are moves.
     pub share: f64,
 }
 
 impl Idea {
+    /// Number of moves of `most`; a repetition takes them all.
+    pub fn moves(&self, most: usize) -> usize {
+        match self.moves.len() {
+            0 => most,
+            count => count,
+        }
+    }
+
     /// How long it lasts, s.
     pub fn duration(&self) -> f64 {
         let (first, last) = self.experiment.span();
@@ -32,7 +40,7 @@ pub struct Ideas<'a> {
     pub all: Vec<Idea>,
     /// Longest experiment, s: no longer than the longest recording.
     pub longest: f64,
-    /// Most moves of an experiment; a repetition is one.
+    /// Most moves of an experiment; a repetition is alone.
     pub most_moves: usize,
     base: &'a Experiment,
     /// Limits, and the rest before the first move, s; `None` if there are no moves.
@@ -61,7 +69,7 @@ impl<'a> Ideas<'a> {
         };
         match base.input {
             Role::MotorPosition | Role::CommandPosition => ideas.add_moves(problem),
-            _ => ideas.add_repetitions(),
+            _ => ideas.add_repetitions(SHARES),
         }
         ideas
     }
@@ -87,11 +95,13 @@ impl<'a> Ideas<'a> {
                 share: 1.0,
             }));
         }
+        // What is taken for an event comes again where a law is behind it.
+        self.add_repetitions(&[1.0]);
         self.all.retain(|idea| idea.duration() <= self.longest);
     }
 
-    fn add_repetitions(&mut self) {
-        for &share in SHARES {
+    fn add_repetitions(&mut self, shares: &[f64]) {
+        for &share in shares {
             let experiment = imagined::repeated(self.base, share);
             self.all.extend(experiment.map(|experiment| Idea {
                 experiment,
@@ -109,8 +119,10 @@ impl<'a> Ideas<'a> {
             .flat_map(|&part| self.all[part].moves.iter().cloned())
             .collect();
         let experiment = match &self.moves {
-            Some((seen, lead)) => imagined::moved(self.base, &moves, seen, *lead)?,
-            None => first.experiment.clone(),
+            Some((seen, lead)) if !moves.is_empty() => {
+                imagined::moved(self.base, &moves, seen, *lead)?
+            }
+            _ => first.experiment.clone(),
         };
         Some(Idea {
             experiment,
