@@ -4,6 +4,7 @@
 use quell_trajectories::Limits;
 
 use crate::service::contract::{Measured, Quantity};
+use crate::service::link::is_set;
 
 /// Quantities that are checked, in the order of [`Guard`]'s table.
 const QUANTITIES: [Quantity; 5] = [
@@ -270,12 +271,12 @@ impl Guard {
     }
 }
 
-/// Time between two samples, s. Where the stamps go back the sensor's clock was restarted: then it is that between their
-/// receptions.
+/// Time between two samples, s. Where the sensor's clock was set it is that between their receptions.
 fn elapsed(now: &Measured, last: &Measured) -> f64 {
-    match now.stamp > last.stamp {
-        true => now.stamp - last.stamp,
-        false => now.received - last.received,
+    let [before, after] = [last, now].map(|one| (one.received, one.stamp));
+    match now.stamp <= last.stamp || is_set(before, after) {
+        true => now.received - last.received,
+        false => now.stamp - last.stamp,
     }
 }
 

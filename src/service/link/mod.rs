@@ -11,7 +11,7 @@ mod zenoh;
 
 pub use clock_offset::ClockOffset;
 pub use embedded::EmbeddedLink;
-pub use sequence::{Order, Sequence};
+pub use sequence::{LONGEST_WAY, Order, Sequence, is_set};
 pub use udp::{Ear, Heard, UdpLink, UdpSettings};
 #[cfg(feature = "zenoh")]
 pub use zenoh::{Node, ZenohBridge, ZenohLink};

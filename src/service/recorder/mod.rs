@@ -5,6 +5,7 @@ mod journal;
 mod known;
 mod log;
 mod running;
+mod set_clock;
 mod shelf;
 mod task;
 

@@ -6,6 +6,7 @@ use crate::estimators::Sample;
 use crate::service::contract::{Measured, Quantity};
 use crate::service::following::FOLLOWED;
 use crate::service::guard::Fault;
+use crate::service::link::is_set;
 use crate::service::ringing::rings_for;
 use crate::service::tick::gate::Cause;
 use crate::service::tick::hearing::Change;
@@ -39,11 +40,15 @@ impl JointTick {
             return;
         }
         if measured.quantity == Quantity::MotorPosition {
-            // Only a clock that was set back stamps earlier than before: what the link hands on is in order.
-            if measured.stamp < self.stamped {
+            let now = (measured.received, measured.stamp);
+            // What the link hands on is in order, unless the clock was set.
+            if self
+                .stamped
+                .is_some_and(|last| now.1 < last.1 || is_set(last, now))
+            {
                 self.begin_anew();
             }
-            self.stamped = measured.stamp;
+            self.stamped = Some(now);
         }
         if self.inbox.len() < self.inbox.capacity() {
             self.inbox.push(measurement);
