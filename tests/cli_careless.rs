@@ -244,6 +244,100 @@ fn a_score_of_a_recording_that_is_too_slow_for_the_model_is_refused_with_the_rat
 }
 
 /// A first stamp from before the clock was set: 54 years to the next one, which nothing simulates.
+/// The move of [`rows`] with the link's position in the place of the deformation, each changed; columns in rad.
+fn link(change: impl Fn(f64, f64) -> [f64; 2]) -> Vec<u8> {
+    let mut text = String::from("time_s,motor_position_rad,link_position_rad\n");
+    for row in rows() {
+        let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let [motor, link] = change(cells[1], cells[1] + cells[2]);
+        text += &format!("{},{motor:.7},{link:.7}\n", cells[0]);
+    }
+    text.into()
+}
+
+/// A mistake of a sensor is told as that, by each verb, and never as a mode or as missing physics.
+#[test]
+fn a_sign_or_a_unit_that_is_wrong_is_told_as_that() {
+    let folder = folder();
+    let here = folder.path();
+    let is_read = |bytes: Vec<u8>| {
+        std::fs::write(here.join("run.csv"), bytes).unwrap();
+        told(here, &["identify", "run.csv", "--out", "read"]).0
+    };
+    assert_eq!(is_read(link(|u, y| [u, y])), Some(0));
+    assert_eq!(is_read(link(|u, y| [-u, -y])), Some(0));
+    for (bytes, ratio, mistake) in [
+        (link(|u, y| [u, -y]), "-1 times", "write scale = -1"),
+        (
+            link(|u, y| [u, y.to_degrees()]),
+            "57.3 times",
+            "link_position is in degrees",
+        ),
+        (
+            link(|u, y| [u.to_degrees(), y]),
+            "0.0175 times",
+            "motor_position is in degrees",
+        ),
+        (
+            link(|u, y| [80.0 * u, y]),
+            "0.0125 times",
+            "write scale = 0.0125 at the [[channel]] of motor_position",
+        ),
+    ] {
+        std::fs::write(here.join("run.csv"), bytes).unwrap();
+        for verb in [
+            &["identify", "run.csv"][..],
+            &["score", "model.toml", "run.csv"],
+            &["diagnose", "--model", "model.toml", "run.csv"],
+        ] {
+            refused(
+                here,
+                verb,
+                &format!("from rest to rest link_position moves {ratio} as far as motor_position"),
+            );
+            refused(here, verb, mistake);
+        }
+        let mut inspect = Command::cargo_bin("quell").unwrap();
+        let output = inspect
+            .current_dir(here)
+            .args(["inspect", "run.csv", "--json"])
+            .output()
+            .unwrap();
+        let words = String::from_utf8(output.stdout).unwrap();
+        assert!(words.contains(ratio), "{words}");
+        std::fs::remove_file(here.join("recording.toml")).unwrap();
+    }
+}
+
+/// A tip without a mode, whose sensor has an offset, an error of scale and noise, shows none.
+#[test]
+fn a_tip_that_only_follows_the_motor_side_has_no_mode() {
+    let folder = folder();
+    let here = folder.path();
+    for (offset, scale) in [(0.0, 1.0), (0.01, 1.0), (0.0, 1.01), (0.002, 0.97)] {
+        let state = std::cell::Cell::new(7_u64);
+        // A sum of uniform numbers, near enough to a normal one.
+        let noise = || {
+            let uniform = || {
+                let next = state
+                    .get()
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                state.set(next);
+                (next >> 40) as f64 / f64::from(1 << 24) - 0.5
+            };
+            (0..12).map(|_| uniform()).sum::<f64>()
+        };
+        let bytes = link(|u, _| [u, offset + scale * u + 1e-4 * noise()]);
+        std::fs::write(here.join("run.csv"), bytes).unwrap();
+        refused(
+            here,
+            &["identify", "run.csv"],
+            "no mode was found: the tip rests or follows the motor side",
+        );
+    }
+}
+
 #[test]
 fn a_stamp_of_another_clock_is_refused_with_the_one_before_it() {
     let folder = folder();

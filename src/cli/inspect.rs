@@ -12,6 +12,7 @@ use crate::recording::health::{Health, health, remarks};
 use crate::recording::{
     Channel, MANIFEST, McapFile, Recording, is_csv, mcap_and_joint, plain as short,
 };
+use crate::signal::StaticRatio;
 use document::document;
 use joints::Joints;
 use serde_json::{Value, json};
@@ -194,7 +195,7 @@ fn page(recording: &Recording, figures: &[Health]) -> String {
             words.push_str(&format!("- {}: {remark}\n", channel.role));
         }
     }
-    if let Some(remark) = overlap(recording) {
+    for remark in together(recording) {
         words.push_str(&format!("- {remark}\n"));
     }
     if words.is_empty() {
@@ -255,6 +256,12 @@ fn column_names(channel: &Channel) -> Vec<String> {
             .map(|axis| format!("{} {axis}", channel.role))
             .into(),
     }
+}
+
+/// Remarks on what the channels contradict each other in.
+fn together(recording: &Recording) -> Vec<String> {
+    let ratio = StaticRatio::of(recording).and_then(|ratio| ratio.contradiction());
+    overlap(recording).into_iter().chain(ratio).collect()
 }
 
 /// A remark if the channels have no time in common.

@@ -61,6 +61,14 @@ pub enum DiagnosisError {
         /// By how much, with its unit.
         by: String,
     },
+    /// A link that does not go as far as its motor side, or goes the other way.
+    #[error("\"{recording}\": {words}")]
+    Contradiction {
+        /// Name of the recording.
+        recording: String,
+        /// The ratio, and what explains it.
+        words: String,
+    },
     /// A sensor that shows nothing but noise while the model moves.
     #[error(
         "{channel} of \"{recording}\" shows nothing but noise of {noise}, while {moving} makes it move by {by} rms in \

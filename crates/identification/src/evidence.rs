@@ -1,50 +1,53 @@
 //! Whether a batch fit shows a mode, or only what noise and drift could produce as well.
 
 use super::IdentificationError;
+use super::follows::Follows;
 use quell_control::estimators::Sample;
 use quell_control::estimators::offline::BatchFit;
 
-/// Unknowns of a mode: frequency, damping, two of its vibration.
-const UNKNOWNS: f64 = 4.0;
+/// Unknowns of a mode: frequency and damping, and two of its vibration in each piece that starts freely.
+const MODE: f64 = 2.0;
+const START: f64 = 2.0;
+/// Most lags over which a correlation is summed.
+const LAGS: usize = 1000;
 /// Difference of the Bayesian information criterion that is very strong evidence (Kass and Raftery, J. American
 /// Statistical Association 90 (1995)).
 const STRONG: f64 = 10.0;
 
-/// The likelihood ratio of a mode against none.
+/// The likelihood ratio of a mode against none: against a tip that only follows the motor side ([`Follows`]), or that rests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
     /// By how much the fit lowers chi-squared, `n ln(S0 / S1)`.
     pub found: f64,
-    /// The least evidence for a mode, `4 ln N + 10`.
+    /// The least evidence for a mode, `2 ln N + 2 p ln (N / p) + 10`: each of `p` free starts is seen by `N / p` samples.
     pub needed: f64,
     /// `N`.
     pub samples: usize,
 }
 
 impl Evidence {
-    /// The evidence of a fit of a whole recording; 0 where no fit ended in a mode. Of `N` samples whose
-    /// residual has the first autocorrelation `r`, `n = N (1 - r) / (1 + r)` are independent, so that a drift
-    /// is not taken for a slow mode.
-    pub fn of_all(samples: &[Sample], fit: Option<&BatchFit>) -> Self {
-        let count = samples.len() as f64;
-        fit.map_or(Self::none(samples.len()), |fit| {
-            let r = fit.correlation.clamp(0.0, 1.0);
-            Self::by(samples, fit, (count * (1.0 - r) / (1.0 + r)).max(1.0))
+    /// The evidence of a fit of a whole recording, in pieces of a `memory` (s) with a free start each; 0 where no fit ended
+    /// in a mode. `n` is the number of independent samples of the residual ([`independent`]), so that a drift is not
+    /// taken for a slow mode.
+    pub fn of_all(samples: &[Sample], fit: Option<&BatchFit>, memory: f64) -> Self {
+        let none = Self::none(samples, memory);
+        fit.map_or(none, |fit| {
+            let follows = Follows::of(samples).residual;
+            none.by(fit, follows, independent(&fit.residual))
         })
     }
 
     /// The evidence of a fit of a free decay. All samples count: no drift has evenly spaced extrema.
     pub fn of_decay(samples: &[Sample], fit: &BatchFit) -> Self {
-        Self::by(samples, fit, samples.len() as f64)
+        let mean = samples.iter().map(|s| s.deformation).sum::<f64>() / samples.len() as f64;
+        let rests = samples.iter().map(|s| (s.deformation - mean).powi(2)).sum();
+        Self::none(samples, f64::INFINITY).by(fit, rests, samples.len() as f64)
     }
 
-    /// `S0` is about the mean of the samples.
-    fn by(samples: &[Sample], fit: &BatchFit, independent: f64) -> Self {
-        let mean = samples.iter().map(|s| s.deformation).sum::<f64>() / samples.len() as f64;
-        let square = |s: &Sample| (s.deformation - mean).powi(2);
-        let before: f64 = samples.iter().map(square).sum();
+    /// `S0` is the sum of squares without a mode.
+    fn by(self, fit: &BatchFit, without: f64, independent: f64) -> Self {
         let left: f64 = fit.residual.iter().map(|r| r * r).sum();
-        let found = independent * (before / left.max(f64::MIN_POSITIVE)).ln();
+        let found = independent * (without / left.max(f64::MIN_POSITIVE)).ln();
         Self {
             // If nothing varies, the ratio is undefined.
             found: if found.is_finite() {
@@ -52,15 +55,18 @@ impl Evidence {
             } else {
                 0.0
             },
-            ..Self::none(samples.len())
+            ..self
         }
     }
 
-    fn none(samples: usize) -> Self {
+    fn none(samples: &[Sample], memory: f64) -> Self {
+        let duration = samples[samples.len() - 1].time - samples[0].time;
+        let pieces = (duration / memory).ceil().max(1.0);
+        let count = samples.len() as f64;
         Self {
             found: 0.0,
-            needed: UNKNOWNS * (samples as f64).ln() + STRONG,
-            samples,
+            needed: MODE * count.ln() + START * pieces * (count / pieces).ln() + STRONG,
+            samples: samples.len(),
         }
     }
 
@@ -82,5 +88,29 @@ impl Evidence {
                 samples: self.samples,
             }),
         }
+    }
+}
+
+/// How many independent samples a residual is worth, `n / (1 + 2 sum rho_k)`: the variance of its mean is that of so
+/// many. The sum ends before the first pair of neighbouring lags whose correlations add up to less than 0, from where on
+/// it sums chance.
+///
+/// Source: the initial positive sequence, C. J. Geyer, Practical Markov chain Monte Carlo, Statistical Science 7 (1992).
+fn independent(residual: &[f64]) -> f64 {
+    let square: f64 = residual.iter().map(|r| r * r).sum();
+    let at = |lag: usize| {
+        let pairs = residual.iter().zip(&residual[lag..]);
+        pairs.map(|(a, b)| a * b).sum::<f64>() / square
+    };
+    let lags = (1..LAGS.min(residual.len() / 2)).step_by(2);
+    let positive = lags
+        .map(|lag| at(lag) + at(lag + 1))
+        .take_while(|pair| *pair > 0.0);
+    let count = residual.len() as f64;
+    let number = count / (1.0 + 2.0 * positive.sum::<f64>());
+    if number.is_finite() {
+        number.clamp(1.0, count)
+    } else {
+        1.0
     }
 }

@@ -2,6 +2,7 @@
 
 mod amplitude;
 mod evidence;
+mod follows;
 mod input_noise;
 mod motor_side;
 mod nominal_model;
@@ -168,7 +169,7 @@ pub fn identify_until(
     check(stop)?;
     let best_decay = strongest(&free_decays);
     if best_decay.is_none() {
-        Evidence::of_all(fitted, fit.as_ref()).strong()?;
+        Evidence::of_all(fitted, fit.as_ref(), settings.memory).strong()?;
     }
     let best = best_decay.map(|k| &free_decays[k]);
     let amplitude_dependence = best.and_then(|run| amplitude::dependence(samples, run));

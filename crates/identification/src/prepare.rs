@@ -7,7 +7,9 @@ use super::nominal_model::NominalModel;
 use quell_control::estimators::Sample;
 use quell_model::unify_gain;
 use quell_recording::{Recording, Role, plain};
-use quell_signal::{ArcRegistration, JointArc, SignalError, TipRegistration, recorded_deformation};
+use quell_signal::{
+    ArcRegistration, JointArc, SignalError, StaticRatio, TipRegistration, recorded_deformation,
+};
 
 /// Why a recording cannot be identified.
 #[derive(Debug, thiserror::Error)]
@@ -50,10 +52,14 @@ pub enum IdentificationError {
         /// How far the motor side moves, rad.
         by: f64,
     },
+    /// A link that does not go as far as its motor side, or goes the other way.
+    #[error("{0}")]
+    Contradiction(String),
     /// A recording whose evidence for a mode is that of noise.
     #[error(
-        "no mode was found: the best fit of one has a chi-squared of {found:.0}, and strong evidence in {samples} samples \
-         needs {needed:.0}; what varies is noise or drift; record a move that makes the link ring, and the rest after it"
+        "no mode was found: the tip rests or follows the motor side, with noise or drift; the best fit of a mode has a \
+         chi-squared of {found:.0}, and strong evidence in {samples} samples needs {needed:.0}; record a move that makes the \
+         link ring, and the rest after it"
     )]
     NotExcited {
         /// By how much the best fit lowers the criterion, as a chi-squared.
@@ -105,6 +111,9 @@ pub fn prepare(
     model: Option<&NominalModel>,
     registration: TipRegistration,
 ) -> Result<Series, IdentificationError> {
+    if let Some(words) = StaticRatio::of(&recording).and_then(|own| own.contradiction()) {
+        return Err(IdentificationError::Contradiction(words));
+    }
     let motor_side = motor_side::provide(&mut recording)?;
     for channel in &mut recording.channels {
         let angle = matches!(channel.role, Role::MotorPosition | Role::LinkPosition);

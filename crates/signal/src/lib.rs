@@ -20,6 +20,7 @@ pub mod rest;
 pub mod singular_values;
 pub mod spectrum;
 pub mod spline;
+pub mod static_ratio;
 pub mod tip_registration;
 pub mod urdf;
 
@@ -45,5 +46,6 @@ pub use rest::{Motion, Phase, RestDetector, RestRule, free_decays, phases};
 pub use singular_values::SingularValues;
 pub use spectrum::{Peak, Spectrum, Window, spectrum};
 pub use spline::{CubicSpline, End, check_knots};
+pub use static_ratio::{Mistake, StaticRatio};
 pub use tip_registration::TipRegistration;
 pub use urdf::{read_urdf, read_urdf_tree};

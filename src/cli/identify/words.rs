@@ -41,7 +41,7 @@ pub fn recommended(findings: &Findings, best: &Recommended) -> String {
                        unbiased method has a smaller deviation there."
             .into(),
         Why::TwoModes => "The likelihood ratio excludes one mode.".into(),
-        Why::OffLine => "No on-line estimator gave a mode.".into(),
+        Why::OffLine => "It is not certain: no on-line estimator gave a mode.".into(),
     };
     let what = of_servo(findings, best).map_or(String::new(), |what| format!(" {what}"));
     format!("{}, by {}.{what} {why}", modes.join(" and "), best.method)
@@ -136,6 +136,7 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
         ));
     }
     let best = found.recommended();
+    remarks.extend(little(found));
     remarks.extend(best.as_ref().and_then(damped));
     remarks.push(searched(found));
     remarks.extend(best.and_then(|best| slow(best.mode.mode.hertz())));
@@ -154,6 +155,15 @@ pub fn remarks(findings: &Findings) -> Vec<String> {
     }
     remarks.extend(registrations::remarks(&findings.registered));
     remarks
+}
+
+/// A sentence on a mode that explains less of the deformation than what it leaves, where no free decay shows it.
+fn little(found: &Identification) -> Option<String> {
+    (found.best_decay.is_none() && found.explained < 0.5).then(|| {
+        "The mode is not certain: more of the deformation is something else. Record a move that makes the link ring, and \
+         the rest after it."
+            .into()
+    })
 }
 
 /// A sentence if the motor side's position was not measured.

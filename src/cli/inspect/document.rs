@@ -1,6 +1,6 @@
 //! What `quell inspect --json` tells of a recording.
 
-use super::overlap;
+use super::together;
 use crate::recording::Recording;
 use crate::recording::health::{ColumnHealth, Flat, FlatKind, Health, remarks};
 use serde_json::{Value, json};
@@ -35,7 +35,7 @@ pub fn document(recording: &Recording, figures: &[Health]) -> Value {
     json!({
         "name": recording.name,
         "channels": channels.collect::<Vec<_>>(),
-        "remarks": overlap(recording).into_iter().collect::<Vec<_>>(),
+        "remarks": together(recording),
     })
 }
 

@@ -5,6 +5,7 @@ use super::words::{figure, still};
 use crate::error::DiagnosisError;
 use quell_model::Model;
 use quell_recording::{Channel, Recording, Role};
+use quell_signal::StaticRatio;
 
 /// Fewest samples for an estimate of the noise: five third differences, whose median is taken.
 const NOISE: usize = 8;
@@ -23,8 +24,8 @@ pub enum Carried {
 /// Checks the channels of recordings that a model uses as input or predicts.
 ///
 /// [`DiagnosisError`] if a channel has too few samples or an impossible value, if a sensor is constant while
-/// the machine moves, or if nothing varies in one of several recordings.
-/// while the machine moves, or nothing varies in one recording of several.
+/// the machine moves, if the link at rest is not where the motor side took it, or if nothing varies in one recording of
+/// several.
 pub fn carried(model: &Model, recordings: &[Recording]) -> Result<Carried, DiagnosisError> {
     let mut silent = Vec::new();
     for recording in recordings {
@@ -37,6 +38,7 @@ pub fn carried(model: &Model, recordings: &[Recording]) -> Result<Carried, Diagn
         let outputs: Vec<&Channel> = recording.channels.iter().filter(is_output).collect();
         sound(model, recording, input, &outputs)?;
         dense(model, recording, &outputs)?;
+        follows(recording, input, &outputs)?;
         if nothing_varies(recording, input, &outputs)? {
             let all = std::iter::once(input).chain(outputs);
             silent.push((recording, still(all)));
@@ -90,6 +92,25 @@ fn sound(
         }
     }
     Ok(())
+}
+
+/// Checks that the link goes as far as the motor side that drives it, where both are measured.
+fn follows(
+    recording: &Recording,
+    input: &Channel,
+    outputs: &[&Channel],
+) -> Result<(), DiagnosisError> {
+    let is_link = |channel: &&Channel| channel.role == Role::LinkPosition;
+    let ratio = StaticRatio::of(recording).filter(|_| outputs.iter().any(is_link));
+    let ratio = ratio.filter(|ratio| ratio.motor_side == input.role);
+    ratio
+        .and_then(|ratio| ratio.contradiction())
+        .map_or(Ok(()), |words| {
+            Err(DiagnosisError::Contradiction {
+                recording: recording.name.clone(),
+                words,
+            })
+        })
 }
 
 /// Whether neither the input nor any output varies.
