@@ -62,7 +62,7 @@ pub enum ShaperError {
     },
     /// The mode is too fast for the grid: half its damped period is below two ticks.
     #[error(
-        "half a damped period, {half_period:.6} s, is shorter than two ticks of {sample_time} s: use a higher rate"
+        "half a damped period, {half_period:.6} s, is shorter than two ticks of {sample_time:?} s: use a higher rate"
     )]
     TooFast {
         /// Half the damped period, s.

@@ -23,7 +23,7 @@ pub enum PlanError {
         given: usize,
     },
     /// A value is not finite, not positive, or outside of the range that Ruckig is tested for.
-    #[error("axis {axis}: {what} is {value}, it must be {rule}")]
+    #[error("axis {axis}: {what} is {}, it must be {rule}", plain(*.value))]
     Value {
         /// Axis, counted from 0.
         axis: usize,
@@ -111,4 +111,12 @@ pub enum PlanError {
         /// The most samples for each axis.
         limit: usize,
     },
+}
+
+/// A number with all its digits, or with its power of ten where these would fill the line.
+fn plain(value: f64) -> String {
+    match value.abs() < 1e15 {
+        true => value.to_string(),
+        false => format!("{value:e}"),
+    }
 }
