@@ -171,6 +171,23 @@ fn what_no_motion_separates_is_said() {
     assert!(next.why.starts_with("No motion") && next.why.contains("mounting"));
 }
 
+/// A link that touched a stop once may have been hit by somebody. The same moves again tell.
+#[test]
+fn an_end_stop_that_was_touched_once_is_not_told_as_an_impact() {
+    let moves = [step(0.5, 1.0, 0.6), step(-0.5, 0.5, 0.6)];
+    for (position, noise) in [(0.5004, 5e-5), (0.5005, 3e-5), (0.50055, 5e-5)] {
+        let stop = term("end_stop", Place::Link, &[10.0, position, 0.0, 0.0, 1.0]);
+        let truth = std::slice::from_ref(&stop);
+        let once = recorded(truth, &moves, noise, 1);
+        let first = diagnosed(std::slice::from_ref(&once));
+        println!("{position} {} {:?}", first.summary, first.next_move);
+        assert!(doubtful(&first).contains(&"end_stop".to_string()));
+        let second = diagnosed(&[once, recorded(truth, &moves, noise, 2)]);
+        println!("{:?} then {:?}", doubtful(&first), doubtful(&second));
+        assert_eq!(doubtful(&second), ["end_stop"]);
+    }
+}
+
 /// Where nothing is in doubt, nothing is to be done.
 #[test]
 fn nothing_is_proposed_where_nothing_is_in_doubt() {

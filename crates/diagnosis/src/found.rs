@@ -134,7 +134,7 @@ impl Search<'_> {
             Some(format!(
                 "{parameter} of {effect}, {value:.3e}, is at the end of its range"
             ))
-        } else if !self.problem.is_possible(own, temperature) {
+        } else if !self.problem.is_meaningful(own, temperature) {
             Some("a parameter may be anything within its range".into())
         } else if refused.iter().any(|other| other.is_like(own)) {
             Some(

@@ -20,6 +20,7 @@ mod smoother;
 mod stretches;
 mod transition;
 
+use quell_model::effects::CandidateStop;
 use std::f64::consts::TAU;
 
 use super::{CoordinateTrace, Location};
@@ -89,8 +90,8 @@ pub struct Located {
     pub candidate_frequencies: Vec<f64>,
     /// Radians per unit of position of forces periodic in position; the one that explains most first, at most 8.
     pub candidate_orders: Vec<f64>,
-    /// Positions of the link at those candidates that are sudden, and the sign of its velocity.
-    pub candidate_stops: Vec<[f64; 2]>,
+    /// What the link may have met at those candidates that are sudden.
+    pub candidate_stops: Vec<CandidateStop>,
 }
 
 /// Locates the mismatch behind a residual.
@@ -181,7 +182,8 @@ fn put_together(
     let sudden = candidates
         .iter()
         .filter(|s| s.kind != candidate_events::Kind::Change);
-    let stop = |[position, velocity, _]: [f64; 3]| [position, velocity.signum()];
+    let stop = |at| candidate_events::stop(residual, &smoothed.missing, at);
+    let candidate_stops = sudden.map(|s| stop(s.at)).collect();
     let location = place.map(|place| Location {
         place: Some(place.name().into()),
         phases: strong_phases,
@@ -199,7 +201,7 @@ fn put_together(
         explained,
         phases,
         candidate_events: candidates.iter().map(|s| s.time).collect(),
-        candidate_stops: sudden.map(|s| stop(residual.link[s.at])).collect(),
+        candidate_stops: candidate_stops,
         candidate_frequencies: frequencies,
         candidate_orders,
     }

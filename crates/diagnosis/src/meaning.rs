@@ -49,31 +49,16 @@ impl Problem<'_> {
         first.map(|(_, term, index)| (term, index))
     }
 
-    /// Whether the data determine the parameters of every added effect within the visited range: none is at the
-    /// end of its range, and no confidence interval spans the whole range. The shape of a law is exempt, since
-    /// it may not matter.
+    /// Whether the data determine where and when every added effect acts: no parameter is at the end of its range,
+    /// and no confidence interval of a position, an instant, a period or a frequency spans the whole range. The shape
+    /// of a law is exempt, since it may not matter, and so is its size: whether there is an effect at all is for the
+    /// evidence to say, and one touch shows where an end stop is, not how hard.
     pub fn is_meaningful(&self, explanation: &Explanation, temperature: f64) -> bool {
-        let is_known = |role| !has_ends(role) || role == ParameterRole::Shape;
-        self.knows(explanation, temperature, is_known)
-    }
-
-    /// The same, with effects of any size: one touch shows where an end stop is, and not how hard. Such an explanation is
-    /// not reported, but it may be the true one.
-    pub fn is_possible(&self, explanation: &Explanation, temperature: f64) -> bool {
-        let is_known =
-            |role| !has_ends(role) || matches!(role, ParameterRole::Shape | ParameterRole::Size);
-        self.knows(explanation, temperature, is_known)
-    }
-
-    /// Whether no parameter is at the end of its range, and all that may be anything are of roles that `are_exempt`.
-    fn knows(
-        &self,
-        explanation: &Explanation,
-        temperature: f64,
-        are_exempt: impl Fn(ParameterRole) -> bool,
-    ) -> bool {
         let unknown = self.unknown(explanation, temperature);
-        unknown.into_iter().all(|(_, role)| are_exempt(role)) && !explanation.is_at_end()
+        let mut roles = unknown.into_iter().map(|(_, role)| role);
+        roles.all(|role| {
+            !has_ends(role) || matches!(role, ParameterRole::Shape | ParameterRole::Size)
+        }) && !explanation.is_at_end()
     }
 
     /// Term and role of the parameters of added effects whose confidence interval spans the whole range.

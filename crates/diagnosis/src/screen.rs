@@ -243,19 +243,17 @@ impl<'a> Screen<'a> {
     }
 
     /// A learned law with its likeliest curve in first order, at the resolution of the highest evidence; of a law of each
-    /// recording, the one that gains most.
+    /// recording, that of the highest.
     fn curves(&self, effect: &'static Effect, place: Place) -> Vec<Start> {
-        let finest = effect.resolutions().filter_map(|own| {
-            let neutral = self.starts(own, place).into_iter();
-            let curves = neutral.filter_map(|neutral| self.curve(neutral));
-            curves.max_by(|a, b| a.0.score.total_cmp(&b.0.score))
-        });
-        let best = finest.max_by(|a, b| a.1.total_cmp(&b.1));
-        best.map(|own| own.0).into_iter().collect()
+        let neutral = effect.resolutions().flat_map(|own| self.starts(own, place));
+        let curves = neutral.filter_map(|neutral| self.curve(neutral));
+        let best = curves.max_by(|a, b| a.score.total_cmp(&b.score));
+        best.into_iter().collect()
     }
 
-    /// A curve in first order, and the logarithm of its evidence.
-    fn curve(&self, neutral: Term) -> Option<(Start, f64)> {
+    /// A curve in first order. Its score is its evidence, in units of the cost: twice the logarithm, times the residual's
+    /// own size.
+    fn curve(&self, neutral: Term) -> Option<Start> {
         let effect = neutral.effect;
         let ordinates = ordinates(effect);
         let step = FINE * size(&self.problem.scales, effect);
@@ -287,18 +285,17 @@ impl<'a> Screen<'a> {
         for (&index, value) in ordinates.iter().zip(values.iter()) {
             start.values[index] = value.clamp(low, high);
         }
-        let score = -white.dot(&gradient);
-        let start = Start {
-            term: start,
-            score,
-            factor: 1.0,
-        };
         // Samples that are correlated say less.
         let unit = unit * self.correlation.get_or_init(|| correlation(&self.residual));
         let factors = factors(unit)?;
         let gain = factors.solve(&gradient).dot(&gradient) / unit;
-        let evidence = 0.5 * (gain / unit - factors.ln_determinant());
-        evidence.is_finite().then_some((start, evidence))
+        // A curve of more knots takes more of any mismatch: what they cost is taken off.
+        let score = gain - unit * factors.ln_determinant();
+        score.is_finite().then_some(Start {
+            term: start,
+            score,
+            factor: 1.0,
+        })
     }
 
     /// Expected gain of a candidate, and the factor of its size.

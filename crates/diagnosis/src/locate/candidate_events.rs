@@ -4,7 +4,8 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::correlation::length;
 use super::smoother::Smoothed;
-use super::{MOST, Residual};
+use super::{MOST, Residual, time_scale};
+use quell_model::effects::CandidateStop;
 
 /// Probability that noise alone gives a candidate.
 const FALSE_ALARM: f64 = 0.01;
@@ -55,6 +56,25 @@ pub(super) fn candidate_events(
         }
     }
     kept
+}
+
+/// What the link may have met at a stamp. It pushes as the missing force does; the link was at its farthest within a
+/// quarter of a period.
+pub(super) fn stop(residual: &Residual, missing: &[f64], at: usize) -> CandidateStop {
+    let side = -missing[at].signum();
+    let near = time_scale(residual) / 4.0;
+    let within = |t: f64| residual.time.partition_point(|own| *own < t);
+    let now = residual.time[at];
+    let positions = residual.link[within(now - near)..within(now + near)].iter();
+    let position = residual.link[at][0];
+    let farthest = positions
+        .map(|own| side * own[0])
+        .fold(side * position, f64::max);
+    CandidateStop {
+        position,
+        farthest: side * farthest,
+        side,
+    }
 }
 
 /// Local maxima of a jump's gain that are beyond noise: half a chi-squared of one degree of freedom exceeds `g`

@@ -146,14 +146,18 @@ pub const END_STOP: Effect = Effect {
         let ends = ends.flat_map(|side| depths.map(|depth| start(depth, side)));
         // Or the link met the stop at a candidate event.
         let met = scales.candidate_stops.iter().take(CANDIDATES);
-        let met = met.flat_map(|&[position, side]| {
+        let met = met.flat_map(|candidate| {
             // A start with a somewhat earlier or harder contact leads to the optimum; a start without contact
-            // does not.
-            let inside =
-                |depth: f64| (position - side * depth).clamp(scales.position.0, scales.position.1);
-            let depths = [0.0, 0.3, 1.0].map(|share| inside(share * scales.deformation));
+            // does not. The link may run into the stop, or touch it where it turns back.
+            let inside = |from: f64, share: f64| {
+                let depth = share * scales.deformation;
+                (from - candidate.side * depth).clamp(scales.position.0, scales.position.1)
+            };
+            let met = [0.0, 0.3, 1.0].map(|share| inside(candidate.position, share));
+            let touched = [0.01, 0.03, 0.1].map(|share| inside(candidate.farthest, share));
+            let depths = [met, touched].concat();
             let sizes = [0.3, 2.0, 6.0].map(|size| size * stiffness);
-            product(&[&sizes, &depths, &[damping], &[0.0], &[side]])
+            product(&[&sizes, &depths, &[damping], &[0.0], &[candidate.side]])
         });
         ends.chain(met).collect()
     },

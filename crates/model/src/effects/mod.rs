@@ -89,7 +89,7 @@ pub use likeness::{LIKENESSES, Likeness};
 pub(crate) use maxwell_slip::slip_distances;
 pub use parameter::{Parameter, ParameterRole, Quantity, Units};
 pub use property::{Part, Property};
-pub use scales::{Scales, Visited};
+pub use scales::{CandidateStop, Scales, Visited};
 pub use slot::{Coordinate, Slot};
 pub use spline::Spline;
 

@@ -34,9 +34,8 @@ pub struct Scales {
     /// Orders of a force periodic in position (teeth, poles, balls), in radians per unit of position, that
     /// would explain most of the residual; the strongest first.
     pub candidate_orders: Vec<f64>,
-    /// Positions of the link at possible unexplained events, and the sign of its velocity; the most suspicious
-    /// first.
-    pub candidate_stops: Vec<[f64; 2]>,
+    /// What the link may have met at possible unexplained events; the most suspicious first.
+    pub candidate_stops: Vec<CandidateStop>,
     /// Whether a force drives the link, rather than the motion of the motor side.
     pub forced: bool,
     /// Whether the output is the angle of a tip from a tracker, whose scale shows in the radius only.
@@ -45,6 +44,17 @@ pub struct Scales {
     pub rigid: bool,
     /// The ranges that are visited.
     pub visited: Visited,
+}
+
+/// Something that the link may have met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CandidateStop {
+    /// Position of the link when it was pushed.
+    pub position: f64,
+    /// Its farthest position about then.
+    pub farthest: f64,
+    /// 1 for a stop above the link, -1 for one below it.
+    pub side: f64,
 }
 
 /// Least and greatest value of the coordinates of static laws. An empty range is unknown: the largest size in
