@@ -201,7 +201,7 @@ fn put_together(
         explained,
         phases,
         candidate_events: candidates.iter().map(|s| s.time).collect(),
-        candidate_stops: candidate_stops,
+        candidate_stops,
         candidate_frequencies: frequencies,
         candidate_orders,
     }

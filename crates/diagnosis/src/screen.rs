@@ -7,14 +7,14 @@
 //! shifts the frequency), the effect is simulated a second time with these parameters moved against it. The
 //! second-order rest of a large shift would otherwise hide it.
 
-use super::autocorrelation::correlation;
-use super::curves::{ordinates, root, size};
+mod learned;
+
 use super::fit::Linearised;
 use super::point::{EffectAt, Point};
 use super::problem::Problem;
 use super::projector::{Projector, orthonormal};
 use super::run_of::Run;
-use nalgebra::{Cholesky, Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 use quell_model::Term;
 use quell_model::effects::{Effect, LEARNED, Law, Place, Scales, Slot};
 use quell_signal::SingularValues;
@@ -28,10 +28,6 @@ const BELIEVED: f64 = 0.3;
 /// Ratio of the squares of a change's own part and of the rest from which the rest may be the second order of
 /// the own part: a frequency shift of a tenth leaves about a tenth of itself.
 const MOSTLY_OWN: f64 = 10.0;
-/// Step of the derivative by an ordinate of a learned law, in typical sizes.
-const FINE: f64 = 1e-2;
-/// Greatest standard deviation of a learned law's curve in first order, in typical sizes.
-const CURVE: f64 = 3.0;
 /// Share of the mismatch from which a gain is promising.
 const HOPEFUL: f64 = 0.5;
 
@@ -240,62 +236,6 @@ impl<'a> Screen<'a> {
         }
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
         starts
-    }
-
-    /// A learned law with its likeliest curve in first order, at the resolution of the highest evidence; of a law of each
-    /// recording, that of the highest.
-    fn curves(&self, effect: &'static Effect, place: Place) -> Vec<Start> {
-        let neutral = effect.resolutions().flat_map(|own| self.starts(own, place));
-        let curves = neutral.filter_map(|neutral| self.curve(neutral));
-        let best = curves.max_by(|a, b| a.score.total_cmp(&b.score));
-        best.into_iter().collect()
-    }
-
-    /// A curve in first order. Its score is its evidence, in units of the cost: twice the logarithm, times the residual's
-    /// own size.
-    fn curve(&self, neutral: Term) -> Option<Start> {
-        let effect = neutral.effect;
-        let ordinates = ordinates(effect);
-        let step = FINE * size(&self.problem.scales, effect);
-        let last = self.point.terms.len();
-        let column = |&index: &usize| {
-            let mut moved = neutral.clone();
-            moved.values[index] += step;
-            let moved = self.point.with(moved);
-            let run = |e: usize| {
-                self.problem
-                    .run_again(&moved, e, last, &self.linear.runs[e])
-            };
-            self.without_own(self.change(run) / step)
-        };
-        let columns: Vec<DVector<f64>> = ordinates.iter().map(column).collect();
-        let root = root(effect) * (CURVE * size(&self.problem.scales, effect));
-        let slopes = DMatrix::from_columns(&columns) * &root;
-        let count = ordinates.len();
-        let gradient = slopes.tr_mul(&self.residual);
-        // The residual is known no better than its own size allows.
-        let unit = (self.residual.norm_squared() / self.residual.len() as f64).max(1.0);
-        let normal = slopes.tr_mul(&slopes);
-        let factors =
-            |unit: f64| Cholesky::new(&normal / unit + DMatrix::<f64>::identity(count, count));
-        let white = -factors(unit)?.solve(&gradient) / unit;
-        let values = root * &white;
-        let mut start = neutral;
-        let (low, high) = (effect.parameters[ordinates[0]].bounds)(&self.problem.scales);
-        for (&index, value) in ordinates.iter().zip(values.iter()) {
-            start.values[index] = value.clamp(low, high);
-        }
-        // Samples that are correlated say less.
-        let unit = unit * self.correlation.get_or_init(|| correlation(&self.residual));
-        let factors = factors(unit)?;
-        let gain = factors.solve(&gradient).dot(&gradient) / unit;
-        // A curve of more knots takes more of any mismatch: what they cost is taken off.
-        let score = gain - unit * factors.ln_determinant();
-        score.is_finite().then_some(Start {
-            term: start,
-            score,
-            factor: 1.0,
-        })
     }
 
     /// Expected gain of a candidate, and the factor of its size.

@@ -1,0 +1,94 @@
+//! Screening of learned laws: the likeliest curve in first order, and its evidence.
+
+use super::{Screen, Start};
+use crate::autocorrelation::correlation;
+use crate::curves::{ordinates, root, size};
+use nalgebra::{Cholesky, DMatrix, DVector};
+use quell_model::Term;
+use quell_model::effects::{Effect, Place};
+
+/// Step of the derivative by an ordinate of a learned law, in typical sizes.
+const FINE: f64 = 1e-2;
+/// Greatest standard deviation of a learned law's curve in first order, in typical sizes.
+const CURVE: f64 = 3.0;
+
+impl Screen<'_> {
+    /// A learned law with its likeliest curve in first order, at the resolution of the highest evidence; of a law of each
+    /// recording, that of the highest.
+    pub(super) fn curves(&self, effect: &'static Effect, place: Place) -> Vec<Start> {
+        let neutral = effect.resolutions().flat_map(|own| self.starts(own, place));
+        let curves = neutral.filter_map(|neutral| self.curve(neutral));
+        let best = curves.max_by(|a, b| a.score.total_cmp(&b.score));
+        best.into_iter().collect()
+    }
+
+    /// A curve in first order. Its score is its evidence, in units of the cost: twice the logarithm, times the residual's
+    /// own size.
+    fn curve(&self, neutral: Term) -> Option<Start> {
+        let effect = neutral.effect;
+        let ordinates = ordinates(effect);
+        let step = FINE * size(&self.problem.scales, effect);
+        let last = self.point.terms.len();
+        let column = |&index: &usize| {
+            let mut moved = neutral.clone();
+            moved.values[index] += step;
+            let moved = self.point.with(moved);
+            let run = |e: usize| {
+                self.problem
+                    .run_again(&moved, e, last, &self.linear.runs[e])
+            };
+            self.without_own(self.change(run) / step)
+        };
+        let columns: Vec<DVector<f64>> = ordinates.iter().map(column).collect();
+        let root = root(effect) * (CURVE * size(&self.problem.scales, effect));
+        let slopes = DMatrix::from_columns(&columns) * &root;
+        let count = ordinates.len();
+        let gradient = slopes.tr_mul(&self.residual);
+        // The residual is known no better than its own size allows.
+        let unit = (self.residual.norm_squared() / self.residual.len() as f64).max(1.0);
+        let normal = slopes.tr_mul(&slopes) / unit + DMatrix::<f64>::identity(count, count);
+        let white = -Cholesky::new(normal)?.solve(&gradient) / unit;
+        let values = root * &white;
+        let mut start = neutral;
+        let (low, high) = (effect.parameters[ordinates[0]].bounds)(&self.problem.scales);
+        for (&index, value) in ordinates.iter().zip(values.iter()) {
+            start.values[index] = value.clamp(low, high);
+        }
+        let score = 2.0 * unit * self.evidence_of(&slopes, &gradient)?;
+        score.is_finite().then_some(Start {
+            term: start,
+            score,
+            factor: 1.0,
+        })
+    }
+
+    /// Logarithm of the evidence of a curve in first order, against none. `slopes` are the changes of the rows by its
+    /// white unknowns, `gradient` is their product with the residual.
+    ///
+    /// The variance `v` of what is left, at least that of the noise, is not known before: it is the one that is left.
+    /// Samples that are correlated say less, as many times as `c`:
+    ///
+    /// ```text
+    /// ln p = -|r + S w|^2 / 2 v c - |w|^2 / 2 - ln det(I + S'S / v c) / 2 - n ln v / 2 c
+    /// ```
+    fn evidence_of(&self, slopes: &DMatrix<f64>, gradient: &DVector<f64>) -> Option<f64> {
+        let correlation = *self.correlation.get_or_init(|| correlation(&self.residual));
+        let rows = self.residual.len() as f64;
+        let variance = |left: f64| (left / rows).max(1.0);
+        let fits = |left: f64, v: f64| -0.5 * (left / v + rows * v.ln()) / correlation;
+        let none = self.residual.norm_squared();
+        let normal = slopes.tr_mul(slopes);
+        let solved = |v: f64| {
+            let unit = v * correlation;
+            let identity = DMatrix::<f64>::identity(gradient.len(), gradient.len());
+            let factors = Cholesky::new(&normal / unit + identity)?;
+            let white = -factors.solve(gradient) / unit;
+            let left = (&self.residual + slopes * &white).norm_squared();
+            Some((left, white.norm_squared(), factors.ln_determinant()))
+        };
+        let first = variance(solved(variance(none))?.0);
+        let (left, size, determinant) = solved(first)?;
+        let own = fits(left, variance(left)) - 0.5 * (size + determinant);
+        Some(own - fits(none, variance(none)))
+    }
+}
