@@ -3,7 +3,7 @@
 //! `cargo bench --bench simulation`: 13 s of moves at 250 Hz on a joint of 8 Hz, all at their typical
 //! sizes. Times are the least of many runs.
 
-use quell::effects::{EFFECTS, LEARNED, Law, Memory, Place, Scales};
+use quell::effects::{CandidateStop, EFFECTS, LEARNED, Law, Memory, Place, Scales};
 use quell::model::chain::{Chain, ForceElement, FrictionElement};
 use quell::model::{Grid, Hold, Kick, Kind, Timed, integrate};
 use quell::recording::Role;
@@ -51,7 +51,7 @@ fn scales() -> Scales {
         candidate_events: vec![4.0],
         candidate_frequencies: vec![TAU * 20.0],
         candidate_orders: vec![30.0],
-        candidate_stops: vec![[0.5, 1.0]],
+        candidate_stops: vec![CandidateStop::at(0.5, 1.0)],
         ..Scales::default()
     }
 }

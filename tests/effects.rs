@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use quell::effects::{
-    Drive, EFFECTS, Effect, Force, Friction, Inertia, Law, Memory, Motion, ParameterRole, Place,
-    Property, Reading, Scales, Sensor, Units,
+    CandidateStop, Drive, EFFECTS, Effect, Force, Friction, Inertia, Law, Memory, Motion,
+    ParameterRole, Place, Property, Reading, Scales, Sensor, Units,
 };
 use std::collections::HashSet;
 use std::path::Path;
@@ -106,7 +106,7 @@ prop_compose! {
             candidate_events: suspects[..found].iter().map(|s| begin + s * duration).collect(),
             candidate_frequencies: suspects[..found].iter().map(|s| 50.0 * s * natural_frequency).collect(),
             candidate_orders: suspects[..found].iter().map(|s| 500.0 * s / travel).collect(),
-            candidate_stops: suspects[..found].iter().map(|s| [start + 3.0 * (s - 0.5) * travel, (s - 0.5).signum()]).collect(),
+            candidate_stops: suspects[..found].iter().map(|s| CandidateStop::at(start + 3.0 * (s - 0.5) * travel, (s - 0.5).signum())).collect(),
             ..Scales::default()
         }
     }

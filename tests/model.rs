@@ -1,6 +1,6 @@
 //! The chain against closed forms: decay, friction, backlash, jumps, two masses, loops.
 
-use quell::effects::{EFFECTS, Effect, Friction, Law, Memory, Place, Scales};
+use quell::effects::{CandidateStop, EFFECTS, Effect, Friction, Law, Memory, Place, Scales};
 use quell::model::chain::{
     Chain, ForceElement, FrictionElement, Linear, MotorSide, PositionLoop, State,
 };
@@ -434,7 +434,7 @@ fn scales() -> Scales {
         candidate_events: vec![11.03],
         candidate_frequencies: vec![2.5],
         candidate_orders: vec![30.0],
-        candidate_stops: vec![[0.5, 1.0]],
+        candidate_stops: vec![CandidateStop::at(0.5, 1.0)],
         ..Scales::default()
     }
 }

@@ -3,7 +3,8 @@
 use proptest::prelude::*;
 use quell_model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide, State};
 use quell_model::effects::{
-    Effect, KNOTS, LEARNED, Law, Memory, Motion, ParameterRole, Place, Scales, Slot, Visited,
+    CandidateStop, Effect, KNOTS, LEARNED, Law, Memory, Motion, ParameterRole, Place, Scales, Slot,
+    Visited,
 };
 use quell_model::{Grid, Hold, Timed, Trace, integrate};
 
@@ -144,7 +145,7 @@ fn scales() -> Scales {
         candidate_events: vec![11.03],
         candidate_frequencies: vec![2.5],
         candidate_orders: vec![30.0],
-        candidate_stops: vec![[0.5, 1.0]],
+        candidate_stops: vec![CandidateStop::at(0.5, 1.0)],
         visited: Visited {
             deformation: (-0.3, 0.4),
             motor_position: (-5.0, 5.0),

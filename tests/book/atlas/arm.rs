@@ -1,7 +1,9 @@
 //! The two machines of the atlas in a standard motion, with an effect in them or without.
 
 use nalgebra::{DMatrix, DVector};
-use quell::effects::{Coordinate, EFFECTS, Effect, Law, Place, Quantity, Scales, Units, Visited};
+use quell::effects::{
+    CandidateStop, Coordinate, EFFECTS, Effect, Law, Place, Quantity, Scales, Units, Visited,
+};
 use quell::model::{Departure, Experiment, Model, Term, simulate};
 use quell::recording::{Channel, Recording, Role};
 use quell::signal::SingularValues;
@@ -295,7 +297,7 @@ fn scales(model: &Model, experiment: &Experiment) -> Scales {
         candidate_events: vec![1.5],
         candidate_frequencies: vec![19.0 * TAU],
         candidate_orders: vec![40.0],
-        candidate_stops: vec![[0.45, 1.0]],
+        candidate_stops: vec![CandidateStop::at(0.45, 1.0)],
         rigid,
         visited: Visited {
             deformation,

@@ -57,6 +57,17 @@ pub struct CandidateStop {
     pub side: f64,
 }
 
+impl CandidateStop {
+    /// One that the link met at its farthest position.
+    pub fn at(position: f64, side: f64) -> Self {
+        Self {
+            position,
+            farthest: position,
+            side,
+        }
+    }
+}
+
 /// Least and greatest value of the coordinates of static laws. An empty range is unknown: the largest size in
 /// both directions is used instead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
