@@ -23,7 +23,7 @@ impl Screen<'_> {
     }
 
     /// A curve in first order. Its score is its evidence, in units of the cost: twice the logarithm, times the residual's
-    /// own size.
+    /// own size and correlation.
     fn curve(&self, neutral: Term) -> Option<Start> {
         let effect = neutral.effect;
         let ordinates = ordinates(effect);
@@ -54,12 +54,17 @@ impl Screen<'_> {
         for (&index, value) in ordinates.iter().zip(values.iter()) {
             start.values[index] = value.clamp(low, high);
         }
-        let score = 2.0 * unit * self.evidence_of(&slopes, &gradient)?;
+        let score = 2.0 * unit * self.correlation() * self.evidence_of(&slopes, &gradient)?;
         score.is_finite().then_some(Start {
             term: start,
             score,
             factor: 1.0,
         })
+    }
+
+    /// Samples of the residual that say as much as one independent one.
+    fn correlation(&self) -> f64 {
+        *self.correlation.get_or_init(|| correlation(&self.residual))
     }
 
     /// Logarithm of the evidence of a curve in first order, against none. `slopes` are the changes of the rows by its
@@ -72,7 +77,7 @@ impl Screen<'_> {
     /// ln p = -|r + S w|^2 / 2 v c - |w|^2 / 2 - ln det(I + S'S / v c) / 2 - n ln v / 2 c
     /// ```
     fn evidence_of(&self, slopes: &DMatrix<f64>, gradient: &DVector<f64>) -> Option<f64> {
-        let correlation = *self.correlation.get_or_init(|| correlation(&self.residual));
+        let correlation = self.correlation();
         let rows = self.residual.len() as f64;
         let variance = |left: f64| (left / rows).max(1.0);
         let fits = |left: f64, v: f64| -0.5 * (left / v + rows * v.ln()) / correlation;
