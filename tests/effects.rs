@@ -224,7 +224,7 @@ proptest! {
                 }
             }
             let starts = (effect.starts)(&scales);
-            let most = [12, 48, 24, 40, 40][effect.parameters.len() - 1];
+            let most = [12, 48, 24, 40, 48][effect.parameters.len() - 1];
             prop_assert!((1..=most).contains(&starts.len()), "{}: {}", effect.name, starts.len());
             for start in &starts {
                 prop_assert_eq!(start.len(), effect.parameters.len());

@@ -155,9 +155,11 @@ pub const END_STOP: Effect = Effect {
             };
             let met = [0.0, 0.3, 1.0].map(|share| inside(candidate.position, share));
             let touched = [0.01, 0.03, 0.1].map(|share| inside(candidate.farthest, share));
-            let depths = [met, touched].concat();
+            let start = |sizes: &[f64], positions: &[f64]| {
+                product(&[sizes, positions, &[damping], &[0.0], &[candidate.side]])
+            };
             let sizes = [0.3, 2.0, 6.0].map(|size| size * stiffness);
-            product(&[&sizes, &depths, &[damping], &[0.0], &[candidate.side]])
+            [start(&sizes, &met), start(&sizes[1..2], &touched)].concat()
         });
         ends.chain(met).collect()
     },
