@@ -6,7 +6,7 @@
 //! is that of the best of these places.
 
 use super::explanation::Explanation;
-use super::found::CREDIBLE;
+use super::found::least_credible;
 use super::pool::Pool;
 use super::problem::Rows;
 use super::projector::Projector;
@@ -41,7 +41,7 @@ impl Search<'_> {
     fn doubtful(&self, pool: &Pool) -> Vec<Explanation> {
         let temperature = pool.temperature(self.judge);
         let ranked = pool.ranked(temperature);
-        let least = ranked[0].1 + (1.0 - CREDIBLE).ln();
+        let least = least_credible(ranked[0].1);
         let rows = self.judge.held_out_rows as f64;
         let hope = |own: &(&Explanation, f64)| {
             let beyond = own.0.evidence.held_out_beyond_fit() - rows;

@@ -37,12 +37,14 @@ impl Problem<'_> {
             return None;
         }
         let all = 0..self.experiments.len();
-        let each: Vec<Vec<Powers>> = all.map(|e| self.powers(point, e)).collect();
-        let rests = each.iter().enumerate();
-        let exceeds_rest = rests
-            .into_iter()
-            .any(|(e, own)| self.exceeds_rest(point, e, own));
-        let mut windows: Vec<Powers> = each.into_iter().flatten().collect();
+        let mut exceeds_rest = false;
+        let mut windows: Vec<Powers> = Vec::new();
+        for e in all {
+            let residuals = self.explained(point, e);
+            let own = self.powers(point, e, &residuals);
+            exceeds_rest |= self.exceeds_rest(e, &residuals, &own);
+            windows.extend(own);
+        }
         windows.sort_by(|a, b| a.motion.total_cmp(&b.motion));
         let third = windows.len() / 3;
         if third < FEWEST {
@@ -62,9 +64,8 @@ impl Problem<'_> {
     }
 
     /// Whether an output whose noise was measured at rest has a residual that is no such noise.
-    fn exceeds_rest(&self, point: &Point, e: usize, windows: &[Powers]) -> bool {
-        let experiment = &self.experiments[e];
-        let (scales, residuals) = (&self.scales, self.explained(point, e));
+    fn exceeds_rest(&self, e: usize, residuals: &[Vec<f64>], windows: &[Powers]) -> bool {
+        let (experiment, scales) = (&self.experiments[e], &self.scales);
         let rates = (
             scales.natural_frequency * scales.damping_ratio,
             scales.period(),
@@ -79,9 +80,8 @@ impl Problem<'_> {
 
     /// The powers of the windows of an experiment. A constant or linear residual is taken out: friction holds a
     /// deformation at rest.
-    fn powers(&self, point: &Point, e: usize) -> Vec<Powers> {
+    fn powers(&self, point: &Point, e: usize, residuals: &[Vec<f64>]) -> Vec<Powers> {
         let experiment = &self.experiments[e];
-        let residuals = self.explained(point, e);
         let [motor, link] = self.kinematics(point, e);
         let time = &experiment.outputs[0].time;
         let bodies = motor.iter().zip(&link);
@@ -100,7 +100,7 @@ impl Problem<'_> {
             let own = &speeds[within(time)];
             let moving = (0..2).filter(|&k| whole[k] > 0.0);
             let motion = mean(moving.map(|k| power(own, k) / whole[k]));
-            let outputs = experiment.outputs.iter().zip(&residuals);
+            let outputs = experiment.outputs.iter().zip(residuals);
             let left = outputs.zip(&self.noise[e]);
             let left = left.map(|((output, residual), noise)| {
                 let rest = detrended(&residual[within(&output.time)]);

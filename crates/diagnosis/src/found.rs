@@ -15,6 +15,11 @@ pub const CREDIBLE: f64 = 0.99;
 /// than a bare mention" (Kass and Raftery 1995).
 const BARE_MENTION: f64 = 1.0;
 
+/// Least log evidence of an explanation of the credible set, by that of the most probable one.
+pub fn least_credible(highest: f64) -> f64 {
+    highest + (1.0 - CREDIBLE).ln()
+}
+
 /// What a search found.
 pub struct Found {
     /// The refitted model.

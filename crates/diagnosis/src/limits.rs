@@ -2,7 +2,7 @@
 //! hardly turns is a constant force, and a mode far above the motion is a gain of the deformation.
 
 use super::explanation::Explanation;
-use super::found::CREDIBLE;
+use super::found::least_credible;
 use super::point::Point;
 use super::problem::Problem;
 use super::search::Search;
@@ -40,7 +40,7 @@ impl Search<'_> {
             let limits = self.limits_of_unknown_shape(own, temperature);
             let simpler = ranked.iter().filter(|other| {
                 let is_limit = limits.iter().any(|limit| other.0.has_structure_of(limit));
-                is_limit && log - other.1 < -(1.0 - CREDIBLE).ln()
+                is_limit && other.1 > least_credible(log)
             });
             order.extend(simpler.map(|other| other.0.clone()));
             order.push(own.clone());

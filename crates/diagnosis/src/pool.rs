@@ -31,6 +31,17 @@ struct Entry {
     from_all: bool,
 }
 
+impl Entry {
+    fn new(own: Explanation) -> Self {
+        Self {
+            own,
+            extended: Vec::new(),
+            thinned: false,
+            from_all: false,
+        }
+    }
+}
+
 /// Explanations, each with a structure of its own.
 #[derive(Clone)]
 pub struct Pool {
@@ -46,12 +57,7 @@ impl Pool {
     /// A pool of the refitted model alone.
     pub fn new(baseline: Explanation) -> Self {
         Self {
-            all: vec![Entry {
-                own: baseline,
-                extended: Vec::new(),
-                thinned: false,
-                from_all: false,
-            }],
+            all: vec![Entry::new(baseline)],
             looked_ahead: false,
             is_unfinished: false,
         }
@@ -65,12 +71,7 @@ impl Pool {
                 entry.thinned = false;
             }
             Some(_) => {}
-            None => self.all.push(Entry {
-                own: next,
-                extended: Vec::new(),
-                thinned: false,
-                from_all: false,
-            }),
+            None => self.all.push(Entry::new(next)),
         }
     }
 

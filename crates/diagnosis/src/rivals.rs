@@ -2,7 +2,7 @@
 //! into its credible set. A complicated law may be two simple ones.
 
 use super::explanation::Explanation;
-use super::found::{CREDIBLE, contains};
+use super::found::{contains, least_credible};
 use super::pool::Pool;
 use super::screen::Table;
 use super::search::Search;
@@ -36,7 +36,7 @@ impl Search<'_> {
             return None;
         }
         let one = self.problem.log_prior_of_one();
-        let least = highest + (1.0 - CREDIBLE).ln();
+        let least = least_credible(highest);
         let is_rival = |own: &&(&Explanation, f64)| {
             !pool.is_extended(own.0, Table::Named) && pool.hope(**own, one, temperature) > least
         };

@@ -42,19 +42,19 @@ impl Screen<'_> {
         let columns: Vec<DVector<f64>> = ordinates.iter().map(column).collect();
         let root = root(effect) * (CURVE * size(&self.problem.scales, effect));
         let slopes = DMatrix::from_columns(&columns) * &root;
-        let count = ordinates.len();
         let gradient = slopes.tr_mul(&self.residual);
         // The residual is known no better than its own size allows.
         let unit = (self.residual.norm_squared() / self.residual.len() as f64).max(1.0);
-        let normal = slopes.tr_mul(&slopes) / unit + DMatrix::<f64>::identity(count, count);
-        let white = -Cholesky::new(normal)?.solve(&gradient) / unit;
+        let normal = slopes.tr_mul(&slopes);
+        let (white, _) = likeliest(&normal, &gradient, unit)?;
         let values = root * &white;
         let mut start = neutral;
         let (low, high) = (effect.parameters[ordinates[0]].bounds)(&self.problem.scales);
         for (&index, value) in ordinates.iter().zip(values.iter()) {
             start.values[index] = value.clamp(low, high);
         }
-        let score = 2.0 * unit * self.correlation() * self.evidence_of(&slopes, &gradient)?;
+        let score =
+            2.0 * unit * self.correlation() * self.evidence_of(&slopes, (&normal, &gradient))?;
         score.is_finite().then_some(Start {
             term: start,
             score,
@@ -68,7 +68,7 @@ impl Screen<'_> {
     }
 
     /// Logarithm of the evidence of a curve in first order, against none. `slopes` are the changes of the rows by its
-    /// white unknowns, `gradient` is their product with the residual.
+    /// white unknowns; their products with themselves and with the residual follow.
     ///
     /// The variance `v` of what is left, at least that of the noise, is not known before: it is the one that is left.
     /// Samples that are correlated say less, as many times as `c`:
@@ -76,24 +76,36 @@ impl Screen<'_> {
     /// ```text
     /// ln p = -|r + S w|^2 / 2 v c - |w|^2 / 2 - ln det(I + S'S / v c) / 2 - n ln v / 2 c
     /// ```
-    fn evidence_of(&self, slopes: &DMatrix<f64>, gradient: &DVector<f64>) -> Option<f64> {
+    fn evidence_of(
+        &self,
+        slopes: &DMatrix<f64>,
+        (normal, gradient): (&DMatrix<f64>, &DVector<f64>),
+    ) -> Option<f64> {
         let correlation = self.correlation();
         let rows = self.residual.len() as f64;
         let variance = |left: f64| (left / rows).max(1.0);
         let fits = |left: f64, v: f64| -0.5 * (left / v + rows * v.ln()) / correlation;
         let none = self.residual.norm_squared();
-        let normal = slopes.tr_mul(slopes);
         let solved = |v: f64| {
-            let unit = v * correlation;
-            let identity = DMatrix::<f64>::identity(gradient.len(), gradient.len());
-            let factors = Cholesky::new(&normal / unit + identity)?;
-            let white = -factors.solve(gradient) / unit;
+            let (white, determinant) = likeliest(normal, gradient, v * correlation)?;
             let left = (&self.residual + slopes * &white).norm_squared();
-            Some((left, white.norm_squared(), factors.ln_determinant()))
+            Some((left, white.norm_squared(), determinant))
         };
         let first = variance(solved(variance(none))?.0);
         let (left, size, determinant) = solved(first)?;
         let own = fits(left, variance(left)) - 0.5 * (size + determinant);
         Some(own - fits(none, variance(none)))
     }
+}
+
+/// Likeliest white unknowns of a curve where the residual has this variance, and `ln det(I + S'S / v)`.
+fn likeliest(
+    normal: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    variance: f64,
+) -> Option<(DVector<f64>, f64)> {
+    let identity = DMatrix::<f64>::identity(gradient.len(), gradient.len());
+    let factors = Cholesky::new(normal / variance + identity)?;
+    let white = -factors.solve(gradient) / variance;
+    Some((white, factors.ln_determinant()))
 }
