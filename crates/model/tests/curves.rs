@@ -125,6 +125,8 @@ fn state_of(slot: Slot, place: Place, x: f64) -> (State, f64) {
         (Slot::PositionDamping, _) => (state[2], state[3]) = (x, 1.0),
         (Slot::StiffnessDrift, _) => (state[2], time) = (1.0, x),
         (Slot::Damping, _) => (state[2], state[3]) = (x, 1.0),
+        (Slot::SpeedStiffness, _) => (state[1], state[2], state[3]) = (x, 1.0, x),
+        (Slot::DampingDrift, _) => (state[3], time) = (1.0, x),
         _ => state[2] = x,
     }
     (state, time)
@@ -152,7 +154,7 @@ fn a_curve_is_the_force_that_the_chain_feels() {
                 let found = curve(effect, &values, &still(), &[x]).unwrap()[0];
                 let (state, time) = state_of(slot, place, x);
                 let mut expected = felt(effect, place, &values, &state, time);
-                if slot == Slot::StiffnessDrift {
+                if matches!(slot, Slot::StiffnessDrift | Slot::SpeedStiffness) {
                     expected /= STIFFNESS;
                 }
                 let close = (found - expected).abs() < 1e-12;

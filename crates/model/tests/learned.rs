@@ -248,6 +248,10 @@ proptest! {
         prop_assert!(friction.level(side, far, 1.0) >= 0.0);
         let later = Motion { time: far, ..motion };
         prop_assert!(1.0 + force_of(&law_of("learned_drift", &values), &later, 1.0, 0.0) > 0.0);
+        let damping = force_of(&law_of("learned_damping_drift", &values), &later, 0.0, 1.0);
+        prop_assert!(motion.damping + damping >= 0.0);
+        let fast = Motion { motor: [0.0, far], ..motion };
+        prop_assert!(1.0 + force_of(&law_of("learned_speed_stiffness", &values), &fast, 1.0, 0.0) > 0.0);
         let Law::Drive(drive) = law_of("learned_drive", &values) else { panic!() };
         prop_assert!(side * (drive.map(far) - drive.map(near)) > 0.0);
     }

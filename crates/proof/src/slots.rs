@@ -10,6 +10,7 @@
 //! | `sensor` | reading over what is read |
 //! | `pose` | natural frequency over pose |
 //! | `time` | anything over time |
+//! | `stiffness over speed` | stiffness over the motor side's speed |
 //! | `hysteresis` | force over the path that led there |
 
 /// Laws that a diagnosis learns, and their slots.
@@ -24,6 +25,8 @@ const LEARNED: &[(&str, &[&str])] = &[
     ("learned_sensor", &["sensor"]),
     ("learned_frequency", &["pose"]),
     ("learned_drift", &["time"]),
+    ("learned_damping_drift", &["time"]),
+    ("learned_speed_stiffness", &["stiffness over speed"]),
     ("learned_sensor_drift", &["time"]),
     ("maxwell_slip", &["hysteresis"]),
 ];
@@ -87,6 +90,7 @@ const NAMED: &[(&[&str], &[&str])] = &[
     (&["root_speed_friction", "power_friction"], &["friction"]),
     (&["position_dependent_friction"], &["friction", "position"]),
     (&["time_varying_damping"], &["time"]),
+    (&["parametric_stiffness"], &["stiffness over speed"]),
     (&["sensor_fifth_order"], &["sensor"]),
     (&["local_damper", "deformation_damper"], &["damping"]),
     (&["detent", "periodic_force"], &["position"]),

@@ -233,6 +233,7 @@ impl Arm {
             Coordinate::Deformation | Coordinate::Displacement => visited.deformation,
             Coordinate::Speed if self.scales.rigid => visited.motor_velocity,
             Coordinate::Speed => visited.deformation_rate,
+            Coordinate::MotorSpeed => visited.motor_velocity,
             Coordinate::Position => self.scales.position,
             Coordinate::Input => visited.input,
             Coordinate::Reading => visited.reading,

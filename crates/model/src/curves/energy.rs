@@ -5,7 +5,7 @@ use crate::effects::Slot;
 use nalgebra::DVector;
 
 /// Dissipation of a law: for friction the mean over the speeds of the force against motion (energy per
-/// distance) or the mean level over the positions, for damping the mean coefficient, for a hysteresis the energy of a loop between the largest
+/// distance) or the mean level over the positions, for damping the mean coefficient over its coordinate, for a hysteresis the energy of a loop between the largest
 /// deformations in both directions. `None` for laws that dissipate nothing.
 pub(super) fn dissipated(curve: &Curve) -> Option<Estimate> {
     let count = curve.points.len();
@@ -14,7 +14,7 @@ pub(super) fn dissipated(curve: &Curve) -> Option<Estimate> {
             let sign = curve.points.iter().map(|x| x.signum() / count as f64);
             DVector::from_iterator(count, sign)
         }
-        Slot::Damping | Slot::PositionDamping | Slot::PositionFriction => {
+        Slot::Damping | Slot::PositionDamping | Slot::DampingDrift | Slot::PositionFriction => {
             DVector::from_element(count, 1.0 / count as f64)
         }
         Slot::Hysteresis => {

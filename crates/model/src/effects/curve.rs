@@ -41,6 +41,14 @@ fn value(slot: Slot, law: &Law, at: &Motion, point: f64) -> Option<f64> {
         (Slot::StiffnessDrift, Law::Force(law)) => {
             law.force(&now, 1.0, 0.0, &Memory::default()) / at.stiffness
         }
+        (Slot::SpeedStiffness, Law::Force(law)) => {
+            let turning = Motion {
+                motor: [at.motor[0], point],
+                ..*at
+            };
+            law.force(&turning, 1.0, 0.0, &Memory::default()) / at.stiffness
+        }
+        (Slot::DampingDrift, Law::Force(law)) => law.force(&now, 0.0, 1.0, &Memory::default()),
         (Slot::Drive, Law::Drive(law)) => law.map(point) - point,
         (Slot::Inertia, Law::Inertia(law)) => law.factor(at.time, point) - 1.0,
         (Slot::Sensor, Law::Sensor(law)) => law.read(&reading(at, point)) - point,

@@ -1,7 +1,9 @@
 //! Damping of any shape.
 
 use super::learned::{PARAMETERS, ordinate, parameters, spline, start};
-use super::{Effect, Force, Law, Memory, Motion, Place, Property, Quantity, Slot, Spline};
+use super::{
+    Effect, Force, Law, Memory, Motion, Parameter, Place, Property, Quantity, Slot, Spline,
+};
 
 struct Damping(Spline);
 
@@ -22,20 +24,19 @@ pub const LEARNED_DAMPING: Effect = Effect {
         where it rises, else constant; the whole coefficient is never below 0. Contacts that press harder rub more, so that large vibration dies out faster than small. Source: van der \
         Pol, Philosophical Magazine 2 (1926), for a parabola; de Boor, A Practical Guide to Splines (1978).",
     remedy: "Look at the curve; take the damping at the amplitude that matters.",
-    parameters: &parameters::<PARAMETERS>(
-        ordinate(
-            Quantity::new(1, -1, 1),
-            |scales| {
-                let unit = scales.force / scales.deformation;
-                // A negative value reduces the model's own damper, at most to 0.
-                let own = 2.0 * scales.damping_ratio / scales.natural_frequency * unit;
-                (-own, 10.0 * scales.force / scales.deformation_rate)
-            },
-            |scales| 0.05 * scales.force / scales.deformation_rate,
-        ),
-        Quantity::POSITION,
-    ),
+    parameters: &parameters::<PARAMETERS>(COEFFICIENT, Quantity::POSITION),
     properties: &[Property::Slot(Slot::Damping)],
     law: |p| Law::Force(Box::new(Damping(spline(p)))),
     starts: |scales| vec![start::<PARAMETERS>(scales.visited_deformation())],
 };
+
+/// A coefficient beside that of the model's damper. A negative one reduces that damper, at most to 0.
+pub(super) const COEFFICIENT: Parameter = ordinate(
+    Quantity::new(1, -1, 1),
+    |scales| {
+        let unit = scales.force / scales.deformation;
+        let own = 2.0 * scales.damping_ratio / scales.natural_frequency * unit;
+        (-own, 10.0 * scales.force / scales.deformation_rate)
+    },
+    |scales| 0.05 * scales.force / scales.deformation_rate,
+);

@@ -33,6 +33,7 @@ mod hysteretic_stiffness;
 mod law;
 mod learned;
 mod learned_damping;
+mod learned_damping_drift;
 mod learned_drift;
 mod learned_drive;
 mod learned_frequency;
@@ -42,6 +43,7 @@ mod learned_position_force;
 mod learned_position_friction;
 mod learned_sensor;
 mod learned_sensor_drift;
+mod learned_speed_stiffness;
 mod learned_spring;
 mod levelling;
 mod likeness;
@@ -217,6 +219,8 @@ pub const LEARNED: &[&Effect] = &[
     &learned_damping::LEARNED_DAMPING,
     &maxwell_slip::MAXWELL_SLIP,
     &learned_drift::LEARNED_DRIFT,
+    &learned_damping_drift::LEARNED_DAMPING_DRIFT,
+    &learned_speed_stiffness::LEARNED_SPEED_STIFFNESS,
     &learned_frequency::LEARNED_FREQUENCY,
     &learned_sensor::LEARNED_SENSOR,
     &learned_sensor_drift::LEARNED_SENSOR_DRIFT,

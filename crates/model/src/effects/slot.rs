@@ -9,6 +9,8 @@ pub enum Coordinate {
     Deformation,
     /// Velocity of the effect's place; at the transmission the rate of the deformation.
     Speed,
+    /// Speed of the motor side, in either direction.
+    MotorSpeed,
     /// Position of the effect's place.
     Position,
     /// Input of the drive.
@@ -44,6 +46,10 @@ pub enum Slot {
     Inertia,
     /// Relative change of the stiffness over time.
     StiffnessDrift,
+    /// Relative change of the stiffness over the speed of the motor side.
+    SpeedStiffness,
+    /// Damping coefficient over time, beside that of the model's damper.
+    DampingDrift,
     /// Addition of the sensor to a reading of 0, over time.
     SensorDrift,
     /// Force over the displacement on the first loading from rest. A hysteresis has a memory: if it follows
@@ -124,6 +130,20 @@ const SLOTS: &[(Slot, &str, Coordinate, &str, Quantity)] = &[
         Quantity::NUMBER,
     ),
     (
+        Slot::SpeedStiffness,
+        "stiffness over speed",
+        Coordinate::MotorSpeed,
+        "relative change of the stiffness",
+        Quantity::NUMBER,
+    ),
+    (
+        Slot::DampingDrift,
+        "damping over time",
+        Coordinate::Time,
+        "damping coefficient",
+        Quantity::new(1, -1, 1),
+    ),
+    (
         Slot::SensorDrift,
         "sensor over time",
         Coordinate::Time,
@@ -167,6 +187,7 @@ impl Coordinate {
         match self {
             Self::Deformation => "deformation",
             Self::Speed => "velocity",
+            Self::MotorSpeed => "speed of the motor side",
             Self::Position => "position",
             Self::Input => "input",
             Self::Reading => "reading",
@@ -181,7 +202,7 @@ impl Coordinate {
             Self::Deformation | Self::Displacement | Self::Position | Self::Reading => {
                 Quantity::POSITION
             }
-            Self::Speed => Quantity::VELOCITY,
+            Self::Speed | Self::MotorSpeed => Quantity::VELOCITY,
             Self::Input => Quantity::INPUT,
             Self::Time => Quantity::TIME,
         }
