@@ -4,7 +4,6 @@
 use quell_trajectories::Limits;
 
 use crate::service::contract::{Measured, Quantity};
-use crate::service::link::is_set;
 
 /// Quantities that are checked, in the order of [`Guard`]'s table.
 const QUANTITIES: [Quantity; 5] = [
@@ -271,10 +270,9 @@ impl Guard {
     }
 }
 
-/// Time between two samples, s. Where the sensor's clock was set it is that between their receptions.
+/// Time between two samples, s. Where the stamps do not go on it is that between their receptions.
 fn elapsed(now: &Measured, last: &Measured) -> f64 {
-    let [before, after] = [last, now].map(|one| (one.received, one.stamp));
-    match now.stamp <= last.stamp || is_set(before, after) {
+    match now.stamp <= last.stamp {
         true => now.received - last.received,
         false => now.stamp - last.stamp,
     }

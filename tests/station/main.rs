@@ -15,6 +15,7 @@ mod oracle;
 #[path = "../modes/plant.rs"]
 mod plant;
 mod sequence;
+mod set_clock;
 mod stops;
 mod together;
 mod tolerance;

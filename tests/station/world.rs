@@ -40,7 +40,7 @@ pub fn stopping() -> f64 {
 
 /// A motor side that stands still for so many ticks is commanded.
 pub const STANDSTILL: usize = 80;
-const ROBOT: SocketAddr =
+pub const ROBOT: SocketAddr =
     SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 40_000);
 
 /// The setpoints that the robot received, with the time of the tick that they were sent at, s.

@@ -7,7 +7,8 @@ use std::time::Duration;
 
 use rtrb::Producer;
 
-use super::{ClockOffset, Order, Sequence};
+use super::sensor_clock::{SensorClock, Set};
+use super::{Order, Sequence};
 use crate::service::contract::{LinkHealth, Measured, Quantity};
 
 /// Number of quantities of a joint.
@@ -95,9 +96,10 @@ pub(super) struct Intake {
     counts: Arc<Counts>,
     /// Delay from which on a measurement counts as late, s.
     late: f64,
-    /// One sequence for each joint and quantity.
-    sequences: Vec<[Sequence; QUANTITIES]>,
-    offset: ClockOffset,
+    /// Stamps and clock of each joint and quantity.
+    sensors: Vec<[(Sequence, SensorClock); QUANTITIES]>,
+    /// How a clock was last set.
+    set: Option<Set>,
 }
 
 impl Intake {
@@ -112,8 +114,8 @@ impl Intake {
             ring,
             counts,
             late: watchdog.as_secs_f64(),
-            sequences: vec![Default::default(); joints],
-            offset: ClockOffset::default(),
+            sensors: vec![Default::default(); joints],
+            set: None,
         }
     }
 
@@ -128,7 +130,8 @@ impl Intake {
     }
 
     /// Takes the measurements of a joint with one stamp (s on the robot's clock): counts those in and out of
-    /// order, and hands on the former. `now` is on the service's clock, s.
+    /// order, and hands on the former, with stamps as by the clock that the sensor had first. `now` is on the service's
+    /// clock, s.
     ///
     /// Without a stamp it counts as measured now. Losses cannot be detected then, since a burst was not
     /// measured as one.
@@ -139,16 +142,20 @@ impl Intake {
         quantities: impl Iterator<Item = (Quantity, [f64; 3])>,
         now: f64,
     ) {
-        let Some(sequences) = self.sequences.get_mut(joint) else {
+        let Some(sensors) = self.sensors.get_mut(joint) else {
             return;
         };
         let (stamp, stamped) = (stamp.unwrap_or(now), stamp.is_some());
-        let (mut lost, mut doubled, mut older) = (0, false, false);
+        let (mut lost, mut doubled, mut older, mut late) = (0, false, false, false);
         for (quantity, value) in quantities {
-            match sequences[index(quantity)].take(stamp) {
+            let (sequence, clock) = &mut sensors[index(quantity)];
+            match sequence.take(stamp) {
                 Order::Next { lost: more } if stamped => lost = lost.max(more),
                 Order::Next { .. } => {}
-                Order::Restarted => self.offset.restart(),
+                Order::Restarted => {
+                    clock.doubt(stamp, now);
+                    clock.believe(&mut self.set, now, self.late);
+                }
                 Order::Doubled => {
                     doubled = true;
                     continue;
@@ -157,10 +164,19 @@ impl Intake {
                     older = true;
                     continue;
                 }
+                Order::Doubted => {
+                    clock.doubt(stamp, now);
+                    older = true;
+                    continue;
+                }
+            }
+            late |= clock.take(stamp, now) > self.late;
+            if let (Quantity::MotorPosition, Some(offset)) = (quantity, clock.offset()) {
+                self.counts.clock_offset.store(offset.to_bits(), Relaxed);
             }
             let measured = Received::Measured(Measured {
                 received: now,
-                stamp,
+                stamp: clock.as_before(stamp),
                 joint,
                 quantity,
                 value,
@@ -173,18 +189,7 @@ impl Intake {
         count(&self.counts.lost, lost);
         count(&self.counts.doubled, u64::from(doubled));
         count(&self.counts.reordered, u64::from(older));
-        if !older {
-            self.compare_clocks(stamp, now);
-        }
-    }
-
-    fn compare_clocks(&mut self, stamp: f64, now: f64) {
-        self.offset.take(stamp, now);
-        if let Some(offset) = self.offset.offset() {
-            self.counts.clock_offset.store(offset.to_bits(), Relaxed);
-            let delay = now - stamp + offset;
-            count(&self.counts.late, u64::from(delay > self.late));
-        }
+        count(&self.counts.late, u64::from(late));
     }
 }
 

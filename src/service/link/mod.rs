@@ -4,6 +4,7 @@ mod clock_offset;
 pub mod datagram;
 mod embedded;
 mod intake;
+mod sensor_clock;
 mod sequence;
 mod udp;
 #[cfg(feature = "zenoh")]
@@ -11,7 +12,8 @@ mod zenoh;
 
 pub use clock_offset::ClockOffset;
 pub use embedded::EmbeddedLink;
-pub use sequence::{LONGEST_WAY, Order, Sequence, is_set};
+use sequence::LONGEST_WAY;
+pub use sequence::{Order, Sequence};
 pub use udp::{Ear, Heard, UdpLink, UdpSettings};
 #[cfg(feature = "zenoh")]
 pub use zenoh::{Node, ZenohBridge, ZenohLink};

@@ -8,7 +8,7 @@
 
 /// Age relative to the newest stamp, s, above which an older stamp is not a late datagram: the robot's clock
 /// was restarted.
-pub const LONGEST_WAY: f64 = 1.0;
+pub(super) const LONGEST_WAY: f64 = 1.0;
 /// Number of successive stamps from a restarted clock that are required: a single one may be damaged.
 const BELIEVED: u32 = 8;
 /// Stamps on either side of a gap for its evaluation: at 1 kHz a datagram may be 64 ms late, and a burst of up
@@ -16,13 +16,6 @@ const BELIEVED: u32 = 8;
 const HALF: usize = 64;
 /// Share of the usual gap below which one is short.
 const SHORT: f64 = 0.5;
-
-/// Whether a sensor's clock was set between two samples, each by reception and stamp, s: its stamps leap, and that is not
-/// the time that has passed. What a robot held back, or did not send for a while, is no leap.
-pub fn is_set(last: (f64, f64), now: (f64, f64)) -> bool {
-    let (passed, stamped) = (now.0 - last.0, now.1 - last.1);
-    stamped.abs() > LONGEST_WAY && (stamped - passed).abs() > LONGEST_WAY
-}
 
 /// The kind of a stamp relative to those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +29,9 @@ pub enum Order {
     Doubled,
     /// Older than the newest.
     Older,
-    /// The robot's clock was restarted: everything before is to be discarded.
+    /// Far from the newest: damaged, or of a clock that was set, which is believed later.
+    Doubted,
+    /// The clock was set: this stamp and those that were doubted before it are believed.
     Restarted,
 }
 
@@ -79,7 +74,7 @@ impl Sequence {
                 self.insert(0, stamp);
                 return Order::Restarted;
             }
-            return Order::Older;
+            return Order::Doubted;
         }
         self.behind = 0;
         if stamp < newest {

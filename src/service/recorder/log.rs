@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use super::known::Known;
-use super::set_clock::{Set, shift_of};
 use crate::recording::{Channel, McapWriter, Recording, RecordingError, Role, Sink, to_resolution};
 use crate::service::contract::{Batch, JointSnapshot, Measured, Quantity};
 
@@ -31,8 +30,6 @@ pub struct Log {
     /// Least value of reception minus stamp, s: the lag of the sensors' clocks behind the service's, up to the
     /// delay of the fastest sample.
     behind: f64,
-    /// How a sensor's clock was last set.
-    set: Option<Set>,
 }
 
 /// Part of a log that is already in a file, and the origin of its times there.
@@ -57,11 +54,8 @@ struct Command {
 struct Sensor {
     quantity: Quantity,
     received: Vec<f64>,
-    /// Stamps as by the clock of the first one.
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
-    /// What its clock was set back by since the first sample, s.
-    shift: f64,
 }
 
 impl Log {
@@ -74,13 +68,11 @@ impl Log {
             sensors: Vec::new(),
             known: Known::default(),
             behind: f64::INFINITY,
-            set: None,
         }
     }
 
     /// Adds a batch's data of the joint. Refused measurements and stamps that do not increase are left out,
-    /// since they would be an invalid recording. After a sensor's clock was set, its stamps go on as by the old one. Values are
-    /// taken to the resolution of files.
+    /// since they would be an invalid recording. Values are taken to the resolution of files.
     pub fn take(&mut self, batch: &Batch) {
         let ticks = batch.ticks.iter();
         for row in ticks.filter(|row| row.joint == self.joint && row.time >= self.from) {
@@ -93,22 +85,10 @@ impl Log {
         }
         for one in &batch.measured {
             if one.joint == self.joint && !one.refused && one.received >= self.from {
-                self.measure(one);
+                self.behind = self.behind.min(one.received - one.stamp);
+                self.sensor(one.quantity).push(one);
             }
         }
-    }
-
-    fn measure(&mut self, one: &Measured) {
-        let mut set = self.set;
-        let sensor = self.sensor(one.quantity);
-        if let (Some(&received), Some(&time)) = (sensor.received.last(), sensor.time.last()) {
-            let last = (received, time - sensor.shift);
-            sensor.shift += shift_of(&mut set, last, (one.received, one.stamp));
-        }
-        let stamp = one.stamp + sensor.shift;
-        sensor.push(one, stamp);
-        self.behind = self.behind.min(one.received - stamp);
-        self.set = set;
     }
 
     /// Adds the knowledge about the joint at `time`, s on the service's clock.
@@ -266,7 +246,6 @@ impl Log {
                 received: Vec::new(),
                 time: Vec::new(),
                 columns: vec![Vec::new(); role(quantity).1],
-                shift: 0.0,
             });
             self.sensors.len() - 1
         });
@@ -275,7 +254,8 @@ impl Log {
 }
 
 impl Sensor {
-    fn push(&mut self, one: &Measured, stamp: f64) {
+    fn push(&mut self, one: &Measured) {
+        let stamp = one.stamp;
         let values = &one.value[..self.columns.len()];
         let finite = stamp.is_finite() && values.iter().all(|value| value.is_finite());
         if finite && follows(&self.time, stamp) {
@@ -372,57 +352,5 @@ mod tests {
         assert_eq!(log.command.state[0], [10.0, 0.0, 0.0]);
         assert!(log.command.state[0][1].is_sign_positive());
         assert_eq!(recording.payload.as_deref(), Some("0.5 kg"));
-    }
-
-    /// A clock that leaps by decades in a recording, on or back, and again: nothing is lost, times go on, and two sensors
-    /// on one clock stay as far apart as they were.
-    #[test]
-    fn a_clock_that_is_set_does_not_cost_the_recording() {
-        for leaps in [[1.7e9, 0.0], [-1.7e9, 0.0], [1.7e9, -1.7e9], [-2.0, 3.0]] {
-            let mut log = Log::new(0, 0.0);
-            let mut ahead = 500.0;
-            for k in 0..900 {
-                if k % 300 == 299 && k < 600 {
-                    ahead += leaps[k / 300];
-                }
-                let time = 0.004 * k as f64;
-                // A delay of 0 to 2 ms.
-                let received = time + 0.001 * (k % 3) as f64;
-                let measured = |quantity, stamp| Measured {
-                    received,
-                    stamp,
-                    joint: 0,
-                    quantity,
-                    value: [1.0; 3],
-                    refused: false,
-                };
-                let tick = TickRow {
-                    time,
-                    ..TickRow::default()
-                };
-                let mut batch = Batch {
-                    ticks: vec![tick],
-                    measured: vec![measured(Quantity::MotorPosition, time + ahead)],
-                    ..Batch::default()
-                };
-                if k % 5 == 0 {
-                    let tip = measured(Quantity::TipPosition, time + ahead + 7e-4);
-                    batch.measured.push(tip);
-                }
-                log.take(&batch);
-            }
-            let recording = log.recording("a", None);
-            let time = |role| recording.channel(role).unwrap().time.clone();
-            let (motor, tip) = (time(Role::MotorPosition), time(Role::TipPosition));
-            assert_eq!((motor.len(), tip.len()), (900, 180), "{leaps:?}");
-            assert!(motor.windows(2).all(|pair| pair[1] > pair[0]), "{leaps:?}");
-            for (k, tip) in tip.iter().enumerate() {
-                let motor = motor[5 * k];
-                // 2^-22 s is the resolution of a stamp since 1970.
-                assert!((tip - motor - 7e-4).abs() < 1e-6, "{leaps:?}, {k}");
-                // Each setting costs at most the difference of two delays.
-                assert!((motor - 0.02 * k as f64).abs() < 5e-3, "{leaps:?}, {k}");
-            }
-        }
     }
 }

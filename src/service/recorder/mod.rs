@@ -5,7 +5,6 @@ mod journal;
 mod known;
 mod log;
 mod running;
-mod set_clock;
 mod shelf;
 mod task;
 

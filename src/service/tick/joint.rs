@@ -43,8 +43,6 @@ pub struct JointTick {
     /// Whether the frame of the tip's sensor is known; until then the sensor is ignored.
     registered: bool,
     frozen: bool,
-    /// Reception and stamp of the last position of the motor side that the controller was given, s.
-    stamped: Option<(f64, f64)>,
     /// Whether only noise is measured.
     quiet: bool,
     hearing: Hearing,
@@ -76,7 +74,6 @@ impl JointTick {
             controller: None,
             guard: Guard::new(bounds),
             limits: bounds.limits,
-            stamped: None,
             inbox: Vec::with_capacity(INBOX),
             waiting: None,
             released: false,

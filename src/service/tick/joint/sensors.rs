@@ -6,7 +6,6 @@ use crate::estimators::Sample;
 use crate::service::contract::{Measured, Quantity};
 use crate::service::following::FOLLOWED;
 use crate::service::guard::Fault;
-use crate::service::link::is_set;
 use crate::service::ringing::rings_for;
 use crate::service::tick::gate::Cause;
 use crate::service::tick::hearing::Change;
@@ -39,27 +38,8 @@ impl JointTick {
         if measured.quantity == Quantity::TipPosition && !self.registered {
             return;
         }
-        if measured.quantity == Quantity::MotorPosition {
-            let now = (measured.received, measured.stamp);
-            // What the link hands on is in order, unless the clock was set.
-            if self
-                .stamped
-                .is_some_and(|last| now.1 < last.1 || is_set(last, now))
-            {
-                self.begin_anew();
-            }
-            self.stamped = Some(now);
-        }
         if self.inbox.len() < self.inbox.capacity() {
             self.inbox.push(measurement);
-        }
-    }
-
-    /// Discards what was measured by another clock: nothing of it can be aligned with what comes.
-    fn begin_anew(&mut self) {
-        self.inbox.clear();
-        if let Some(controller) = self.controller.as_deref_mut() {
-            controller.restart_estimation();
         }
     }
 
