@@ -5,6 +5,7 @@ pub mod arc_registration;
 pub mod clock_offset;
 pub mod deformation;
 pub mod description;
+pub mod direction;
 pub mod error;
 pub mod forced_response;
 pub mod fourier;
@@ -32,6 +33,7 @@ pub use deformation::{
     tip_deformation,
 };
 pub use description::{Body, Tree, TreeJoint, UrdfChain};
+pub use direction::Direction;
 pub use error::SignalError;
 pub use forced_response::ForcedResponse;
 pub use fourier::fourier;
