@@ -243,7 +243,6 @@ fn a_score_of_a_recording_that_is_too_slow_for_the_model_is_refused_with_the_rat
     refused(folder.path(), &diagnose, words);
 }
 
-/// A first stamp from before the clock was set: 54 years to the next one, which nothing simulates.
 /// The move of [`rows`] with the link's position in the place of the deformation, each changed; columns in rad.
 fn link(change: impl Fn(f64, f64) -> [f64; 2]) -> Vec<u8> {
     let mut text = String::from("time_s,motor_position_rad,link_position_rad\n");
@@ -309,6 +308,26 @@ fn a_sign_or_a_unit_that_is_wrong_is_told_as_that() {
     }
 }
 
+/// Columns that are exchanged are told as that, by each verb: the shaper of such a fit would be for no mode of the machine.
+#[test]
+fn exchanged_columns_are_told_as_that() {
+    let folder = folder();
+    let here = folder.path();
+    std::fs::write(here.join("run.csv"), link(|u, y| [y, u])).unwrap();
+    for verb in [
+        &["identify", "run.csv"][..],
+        &["score", "model.toml", "run.csv"],
+        &["diagnose", "--model", "model.toml", "run.csv"],
+    ] {
+        refused(here, verb, "motor_position follows link_position");
+        refused(
+            here,
+            verb,
+            "write role = \"link_position\" at the [[channel]] of motor_position",
+        );
+    }
+}
+
 /// A tip without a mode, whose sensor has an offset, an error of scale and noise, shows none.
 #[test]
 fn a_tip_that_only_follows_the_motor_side_has_no_mode() {
@@ -338,6 +357,7 @@ fn a_tip_that_only_follows_the_motor_side_has_no_mode() {
     }
 }
 
+/// A first stamp from before the clock was set: 54 years to the next one, which nothing simulates.
 #[test]
 fn a_stamp_of_another_clock_is_refused_with_the_one_before_it() {
     let folder = folder();

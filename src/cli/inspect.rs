@@ -12,7 +12,7 @@ use crate::recording::health::{Health, health, remarks};
 use crate::recording::{
     Channel, MANIFEST, McapFile, Recording, is_csv, mcap_and_joint, plain as short,
 };
-use crate::signal::StaticRatio;
+use crate::signal::{Direction, StaticRatio};
 use document::document;
 use joints::Joints;
 use serde_json::{Value, json};
@@ -261,7 +261,9 @@ fn column_names(channel: &Channel) -> Vec<String> {
 /// Remarks on what the channels contradict each other in.
 fn together(recording: &Recording) -> Vec<String> {
     let ratio = StaticRatio::of(recording).and_then(|ratio| ratio.contradiction());
-    overlap(recording).into_iter().chain(ratio).collect()
+    let direction = Direction::of(recording).and_then(|own| own.contradiction());
+    let all = overlap(recording).into_iter();
+    all.chain(ratio).chain(direction).collect()
 }
 
 /// A remark if the channels have no time in common.

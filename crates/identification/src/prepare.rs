@@ -8,7 +8,8 @@ use quell_control::estimators::Sample;
 use quell_model::unify_gain;
 use quell_recording::{Recording, Role, plain};
 use quell_signal::{
-    ArcRegistration, JointArc, SignalError, StaticRatio, TipRegistration, recorded_deformation,
+    ArcRegistration, Direction, JointArc, SignalError, StaticRatio, TipRegistration,
+    recorded_deformation,
 };
 
 /// Why a recording cannot be identified.
@@ -52,7 +53,7 @@ pub enum IdentificationError {
         /// How far the motor side moves, rad.
         by: f64,
     },
-    /// A link that does not go as far as its motor side, or goes the other way.
+    /// A link that does not go as far as its motor side, or goes the other way, or is exchanged with it.
     #[error("{0}")]
     Contradiction(String),
     /// A recording whose evidence for a mode is that of noise.
@@ -111,7 +112,9 @@ pub fn prepare(
     model: Option<&NominalModel>,
     registration: TipRegistration,
 ) -> Result<Series, IdentificationError> {
-    if let Some(words) = StaticRatio::of(&recording).and_then(|own| own.contradiction()) {
+    let ratio = StaticRatio::of(&recording).and_then(|own| own.contradiction());
+    let direction = || Direction::of(&recording)?.contradiction();
+    if let Some(words) = ratio.or_else(direction) {
         return Err(IdentificationError::Contradiction(words));
     }
     let motor_side = motor_side::provide(&mut recording)?;

@@ -5,7 +5,7 @@ use super::words::{figure, still};
 use crate::error::DiagnosisError;
 use quell_model::Model;
 use quell_recording::{Channel, Recording, Role};
-use quell_signal::StaticRatio;
+use quell_signal::{Direction, StaticRatio};
 
 /// Fewest samples for an estimate of the noise: five third differences, whose median is taken.
 const NOISE: usize = 8;
@@ -94,17 +94,26 @@ fn sound(
     Ok(())
 }
 
-/// Checks that the link goes as far as the motor side that drives it, where both are measured.
+/// Checks that the link goes as far as the motor side that drives it, and follows it, where both are measured.
 fn follows(
     recording: &Recording,
     input: &Channel,
     outputs: &[&Channel],
 ) -> Result<(), DiagnosisError> {
     let is_link = |channel: &&Channel| channel.role == Role::LinkPosition;
-    let ratio = StaticRatio::of(recording).filter(|_| outputs.iter().any(is_link));
-    let ratio = ratio.filter(|ratio| ratio.motor_side == input.role);
+    if !outputs.iter().any(is_link) {
+        return Ok(());
+    }
+    let ratio = StaticRatio::of(recording).filter(|ratio| ratio.motor_side == input.role);
+    let direction = || {
+        let is_input = input.role == Role::MotorPosition;
+        Direction::of(recording)
+            .filter(|_| is_input)?
+            .contradiction()
+    };
     ratio
         .and_then(|ratio| ratio.contradiction())
+        .or_else(direction)
         .map_or(Ok(()), |words| {
             Err(DiagnosisError::Contradiction {
                 recording: recording.name.clone(),
