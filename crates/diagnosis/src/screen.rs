@@ -14,13 +14,13 @@ use super::point::{EffectAt, Point};
 use super::problem::Problem;
 use super::projector::{Projector, orthonormal};
 use super::run_of::Run;
+use learned::Curve;
 use nalgebra::{Complex, DMatrix, DVector};
 use quell_model::Term;
 use quell_model::effects::{Effect, LEARNED, Law, Place, Scales, Slot};
 use quell_signal::SingularValues;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use std::sync::OnceLock;
 
 /// Share of the gain at another size that is believed, since effects are not linear in their size.
 const BELIEVED: f64 = 0.3;
@@ -103,8 +103,6 @@ pub struct Screen<'a> {
     residual: DVector<f64>,
     /// Maps rows to the least-squares step of the model's own unknowns.
     steps: DMatrix<f64>,
-    /// Samples of the residual that say as much as one independent one; it is made where learned laws are screened.
-    correlation: OnceLock<f64>,
 }
 
 /// Scores every candidate at every size of its grid, the best first, with at most `each` sizes for a candidate.
@@ -146,21 +144,24 @@ impl<'a> Screen<'a> {
             steps: steps(&directions),
             basis: orthonormal(directions),
             residual: stacked(&linear.residuals),
-            correlation: OnceLock::new(),
         }
     }
 
     /// See [`screen`].
     pub fn scored(&self, table: Table, each: usize) -> Vec<Start> {
-        let tried: Vec<Vec<Start>> = candidates(self.problem, table)
-            .into_par_iter()
-            .filter(|effect| self.point.has_room_for(*effect) && !self.problem.is_cut())
-            .map(|(effect, place)| match effect.is_learned() {
-                true => self.curves(effect, place),
-                false => self.sizes(effect, place, each),
-            })
+        let (learned, named): (Vec<_>, Vec<_>) = candidates(self.problem, table)
+            .into_iter()
+            .filter(|effect| self.point.has_room_for(*effect))
+            .partition(|own| own.0.is_learned());
+        let tried = named.into_par_iter().filter(|_| !self.problem.is_cut());
+        let mut all: Vec<Start> = tried
+            .flat_map_iter(|(effect, place)| self.sizes(effect, place, each))
             .collect();
-        let mut all: Vec<Start> = tried.into_iter().flatten().collect();
+        let tried = learned.into_par_iter().filter(|_| !self.problem.is_cut());
+        let curves: Vec<Curve> = tried
+            .flat_map_iter(|(effect, place)| self.curves(effect, place))
+            .collect();
+        all.extend(self.told_apart(curves));
         all.sort_by(|a, b| b.score.total_cmp(&a.score));
         all
     }

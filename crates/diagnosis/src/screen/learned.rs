@@ -12,19 +12,26 @@ const FINE: f64 = 1e-2;
 /// Greatest standard deviation of a learned law's curve in first order, in typical sizes.
 const CURVE: f64 = 3.0;
 
+/// A learned law about its neutral values, in first order.
+pub(super) struct Curve {
+    /// The law with the curve from which a fit starts.
+    term: Term,
+    /// Products of the changes of the rows by the white unknowns with themselves and with the residual.
+    products: (DMatrix<f64>, DVector<f64>),
+    /// Squares of what the likeliest curve leaves, were it right.
+    left: f64,
+    /// Samples of that which say as much as one independent one.
+    correlation: f64,
+}
+
 impl Screen<'_> {
-    /// A learned law with its likeliest curve in first order, at the resolution of the highest evidence; of a law of each
-    /// recording, that of the highest.
-    pub(super) fn curves(&self, effect: &'static Effect, place: Place) -> Vec<Start> {
+    /// A learned law in first order, at each of its resolutions and in each recording that has its own.
+    pub(super) fn curves(&self, effect: &'static Effect, place: Place) -> Vec<Curve> {
         let neutral = effect.resolutions().flat_map(|own| self.starts(own, place));
-        let curves = neutral.filter_map(|neutral| self.curve(neutral));
-        let best = curves.max_by(|a, b| a.score.total_cmp(&b.score));
-        best.into_iter().collect()
+        neutral.filter_map(|neutral| self.curve(neutral)).collect()
     }
 
-    /// A curve in first order. Its score is its evidence, in units of the cost: twice the logarithm, times the residual's
-    /// own size and correlation.
-    fn curve(&self, neutral: Term) -> Option<Start> {
+    fn curve(&self, neutral: Term) -> Option<Curve> {
         let effect = neutral.effect;
         let ordinates = ordinates(effect);
         let step = FINE * size(&self.problem.scales, effect);
@@ -42,66 +49,67 @@ impl Screen<'_> {
         let columns: Vec<DVector<f64>> = ordinates.iter().map(column).collect();
         let root = root(effect) * (CURVE * size(&self.problem.scales, effect));
         let slopes = DMatrix::from_columns(&columns) * &root;
-        let gradient = slopes.tr_mul(&self.residual);
-        // The residual is known no better than its own size allows.
+        let products = (slopes.tr_mul(&slopes), slopes.tr_mul(&self.residual));
+        // A fit starts from a residual that is known no better than its own size allows.
         let unit = (self.residual.norm_squared() / self.residual.len() as f64).max(1.0);
-        let normal = slopes.tr_mul(&slopes);
-        let (white, _) = likeliest(&normal, &gradient, unit)?;
-        let values = root * &white;
-        let mut start = neutral;
+        let values = root * likeliest(&products, unit)?.0;
+        let mut term = neutral;
         let (low, high) = (effect.parameters[ordinates[0]].bounds)(&self.problem.scales);
         for (&index, value) in ordinates.iter().zip(values.iter()) {
-            start.values[index] = value.clamp(low, high);
+            term.values[index] = value.clamp(low, high);
         }
-        let score =
-            2.0 * unit * self.correlation() * self.evidence_of(&slopes, (&normal, &gradient))?;
-        score.is_finite().then_some(Start {
-            term: start,
-            score,
-            factor: 1.0,
+        let left = &self.residual + slopes * likeliest(&products, 1.0)?.0;
+        Some(Curve {
+            term,
+            products,
+            left: left.norm_squared(),
+            correlation: correlation(&left),
         })
     }
 
-    /// Samples of the residual that say as much as one independent one.
-    fn correlation(&self) -> f64 {
-        *self.correlation.get_or_init(|| correlation(&self.residual))
-    }
-
-    /// Logarithm of the evidence of a curve in first order, against none. `slopes` are the changes of the rows by its
-    /// white unknowns; their products with themselves and with the residual follow.
-    ///
-    /// The variance `v` of what is left, at least that of the noise, is not known before: it is the one that is left.
-    /// Samples that are correlated say less, as many times as `c`:
+    /// The curves with their evidence in first order, in units of the cost: twice its logarithm, times the noise. What is
+    /// noise is what the law leaves that leaves least, `n` rows of the variance `v`, of which `c` say as much as one:
     ///
     /// ```text
-    /// ln p = -|r + S w|^2 / 2 v c - |w|^2 / 2 - ln det(I + S'S / v c) / 2 - n ln v / 2 c
+    /// ln p = (|r|^2 - |r + S w|^2) / 2 v c - |w|^2 / 2 - ln det(I + S'S / v c) / 2
     /// ```
-    fn evidence_of(
-        &self,
-        slopes: &DMatrix<f64>,
-        (normal, gradient): (&DMatrix<f64>, &DVector<f64>),
-    ) -> Option<f64> {
-        let correlation = self.correlation();
+    pub(super) fn told_apart(&self, curves: Vec<Curve>) -> Vec<Start> {
+        let least = curves.iter().min_by(|a, b| a.left.total_cmp(&b.left));
         let rows = self.residual.len() as f64;
-        let variance = |left: f64| (left / rows).max(1.0);
-        let fits = |left: f64, v: f64| -0.5 * (left / v + rows * v.ln()) / correlation;
-        let none = self.residual.norm_squared();
-        let solved = |v: f64| {
-            let (white, determinant) = likeliest(normal, gradient, v * correlation)?;
-            let left = (&self.residual + slopes * &white).norm_squared();
-            Some((left, white.norm_squared(), determinant))
+        let noise = least.map_or(1.0, |own| (own.left / rows).max(1.0) * own.correlation);
+        let start = |own: Curve| {
+            let score = own.gain(noise).filter(|score| score.is_finite())?;
+            Some(Start {
+                term: own.term,
+                score,
+                factor: 1.0,
+            })
         };
-        let first = variance(solved(variance(none))?.0);
-        let (left, size, determinant) = solved(first)?;
-        let own = fits(left, variance(left)) - 0.5 * (size + determinant);
-        Some(own - fits(none, variance(none)))
+        let mut all: Vec<Start> = curves.into_iter().filter_map(start).collect();
+        all.sort_by(|a, b| b.score.total_cmp(&a.score));
+        // Of the resolutions of a law, and of the recordings in which it may have happened, the likeliest.
+        let mut best: Vec<Start> = Vec::new();
+        for own in all {
+            if !(best.iter()).any(|known| known.term.identity() == own.term.identity()) {
+                best.push(own);
+            }
+        }
+        best
+    }
+}
+
+impl Curve {
+    /// Its evidence against none, times twice the noise.
+    fn gain(&self, noise: f64) -> Option<f64> {
+        let (white, determinant) = likeliest(&self.products, noise)?;
+        let fall = -2.0 * white.dot(&self.products.1) - white.dot(&(&self.products.0 * &white));
+        Some(fall - noise * (white.norm_squared() + determinant))
     }
 }
 
 /// Likeliest white unknowns of a curve where the residual has this variance, and `ln det(I + S'S / v)`.
 fn likeliest(
-    normal: &DMatrix<f64>,
-    gradient: &DVector<f64>,
+    (normal, gradient): &(DMatrix<f64>, DVector<f64>),
     variance: f64,
 ) -> Option<(DVector<f64>, f64)> {
     let identity = DMatrix::<f64>::identity(gradient.len(), gradient.len());
