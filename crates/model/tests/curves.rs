@@ -126,6 +126,7 @@ fn state_of(slot: Slot, place: Place, x: f64) -> (State, f64) {
         (Slot::StiffnessDrift, _) => (state[2], time) = (1.0, x),
         (Slot::Damping, _) => (state[2], state[3]) = (x, 1.0),
         (Slot::SpeedStiffness, _) => (state[1], state[2], state[3]) = (x, 1.0, x),
+        (Slot::JointDamping, _) => (state[0], state[2], state[3]) = (x, x, 1.0),
         (Slot::DampingDrift, _) => (state[3], time) = (1.0, x),
         _ => state[2] = x,
     }

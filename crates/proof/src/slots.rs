@@ -20,6 +20,7 @@ const LEARNED: &[(&str, &[&str])] = &[
     ("learned_friction", &["friction"]),
     ("learned_position_force", &["position"]),
     ("learned_position_damping", &["damping"]),
+    ("learned_joint_damping", &["damping"]),
     ("learned_position_friction", &["friction"]),
     ("learned_drive", &["drive"]),
     ("learned_sensor", &["sensor"]),

@@ -24,6 +24,7 @@ pub fn curve(effect: &Effect, values: &[f64], at: &Motion, points: &[f64]) -> Op
 
 fn value(slot: Slot, law: &Law, at: &Motion, point: f64) -> Option<f64> {
     let now = Motion { time: point, ..*at };
+    let driven = |motor: [f64; 2]| Motion { motor, ..*at };
     Some(match (slot, law) {
         (Slot::Spring | Slot::PositionForce, Law::Force(law)) => held(law.as_ref(), at, point),
         (Slot::Hysteresis, Law::Force(law)) => law.force(at, point, 0.0, &Memory::default()),
@@ -42,11 +43,10 @@ fn value(slot: Slot, law: &Law, at: &Motion, point: f64) -> Option<f64> {
             law.force(&now, 1.0, 0.0, &Memory::default()) / at.stiffness
         }
         (Slot::SpeedStiffness, Law::Force(law)) => {
-            let turning = Motion {
-                motor: [at.motor[0], point],
-                ..*at
-            };
-            law.force(&turning, 1.0, 0.0, &Memory::default()) / at.stiffness
+            law.force(&driven([0.0, point]), 1.0, 0.0, &Memory::default()) / at.stiffness
+        }
+        (Slot::JointDamping, Law::Force(law)) => {
+            law.force(&driven([point, 0.0]), 0.0, 1.0, &Memory::default())
         }
         (Slot::DampingDrift, Law::Force(law)) => law.force(&now, 0.0, 1.0, &Memory::default()),
         (Slot::Drive, Law::Drive(law)) => law.map(point) - point,

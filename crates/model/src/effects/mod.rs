@@ -38,6 +38,7 @@ mod learned_drift;
 mod learned_drive;
 mod learned_frequency;
 mod learned_friction;
+mod learned_joint_damping;
 mod learned_position_damping;
 mod learned_position_force;
 mod learned_position_friction;
@@ -217,6 +218,7 @@ pub const LEARNED: &[&Effect] = &[
     &learned_drive::LEARNED_DRIVE,
     &learned_spring::LEARNED_SPRING,
     &learned_damping::LEARNED_DAMPING,
+    &learned_joint_damping::LEARNED_JOINT_DAMPING,
     &maxwell_slip::MAXWELL_SLIP,
     &learned_drift::LEARNED_DRIFT,
     &learned_damping_drift::LEARNED_DAMPING_DRIFT,

@@ -50,6 +50,8 @@ pub enum Slot {
     SpeedStiffness,
     /// Damping coefficient over time, beside that of the model's damper.
     DampingDrift,
+    /// Damping coefficient across the joint over the position of the motor side, beside that of the model's damper.
+    JointDamping,
     /// Addition of the sensor to a reading of 0, over time.
     SensorDrift,
     /// Force over the displacement on the first loading from rest. A hysteresis has a memory: if it follows
@@ -140,6 +142,13 @@ const SLOTS: &[(Slot, &str, Coordinate, &str, Quantity)] = &[
         Slot::DampingDrift,
         "damping over time",
         Coordinate::Time,
+        "damping coefficient",
+        Quantity::new(1, -1, 1),
+    ),
+    (
+        Slot::JointDamping,
+        "damping of the joint over position",
+        Coordinate::Position,
         "damping coefficient",
         Quantity::new(1, -1, 1),
     ),
