@@ -14,7 +14,6 @@ use super::point::{EffectAt, Point};
 use super::problem::Problem;
 use super::projector::{Projector, orthonormal};
 use super::run_of::Run;
-use learned::Curve;
 use nalgebra::{Complex, DMatrix, DVector};
 use quell_model::Term;
 use quell_model::effects::{Effect, LEARNED, Law, Place, Scales, Slot};
@@ -149,19 +148,19 @@ impl<'a> Screen<'a> {
 
     /// See [`screen`].
     pub fn scored(&self, table: Table, each: usize) -> Vec<Start> {
-        let (learned, named): (Vec<_>, Vec<_>) = candidates(self.problem, table)
-            .into_iter()
-            .filter(|effect| self.point.has_room_for(*effect))
-            .partition(|own| own.0.is_learned());
-        let tried = named.into_par_iter().filter(|_| !self.problem.is_cut());
-        let mut all: Vec<Start> = tried
-            .flat_map_iter(|(effect, place)| self.sizes(effect, place, each))
-            .collect();
-        let tried = learned.into_par_iter().filter(|_| !self.problem.is_cut());
-        let curves: Vec<Curve> = tried
-            .flat_map_iter(|(effect, place)| self.curves(effect, place))
-            .collect();
-        all.extend(self.told_apart(curves));
+        let tried = candidates(self.problem, table)
+            .into_par_iter()
+            .filter(|effect| self.point.has_room_for(*effect) && !self.problem.is_cut());
+        let mut all: Vec<Start> = match table {
+            Table::Named => tried
+                .flat_map_iter(|(effect, place)| self.sizes(effect, place, each))
+                .collect(),
+            Table::Learned => self.told_apart(
+                tried
+                    .flat_map_iter(|(effect, place)| self.curves(effect, place))
+                    .collect(),
+            ),
+        };
         all.sort_by(|a, b| b.score.total_cmp(&a.score));
         all
     }

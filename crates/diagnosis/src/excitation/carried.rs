@@ -105,11 +105,9 @@ fn follows(
         return Ok(());
     }
     let ratio = StaticRatio::of(recording).filter(|ratio| ratio.motor_side == input.role);
-    let direction = || {
-        let is_input = input.role == Role::MotorPosition;
-        Direction::of(recording)
-            .filter(|_| is_input)?
-            .contradiction()
+    let direction = || match input.role {
+        Role::MotorPosition => Direction::of(recording)?.contradiction(),
+        _ => None,
     };
     ratio
         .and_then(|ratio| ratio.contradiction())

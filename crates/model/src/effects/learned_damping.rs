@@ -9,8 +9,7 @@ struct Damping(Spline);
 
 impl Force for Damping {
     fn force(&self, motion: &Motion, x: f64, v: f64, _memory: &Memory) -> f64 {
-        // A damper never drives.
-        self.0.not_less(x).max(-motion.damping) * v
+        beside(motion, self.0.not_less(x)) * v
     }
 }
 
@@ -40,3 +39,8 @@ pub(super) const COEFFICIENT: Parameter = ordinate(
     },
     |scales| 0.05 * scales.force / scales.deformation_rate,
 );
+
+/// A coefficient beside that of the model's damper, which is reduced to 0 at most: a damper never drives.
+pub(super) fn beside(motion: &Motion, coefficient: f64) -> f64 {
+    coefficient.max(-motion.damping)
+}

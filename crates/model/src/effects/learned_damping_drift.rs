@@ -1,15 +1,14 @@
 //! Damping that changes with time in any way.
 
 use super::learned::{PARAMETERS, parameters, split, start};
-use super::learned_damping::COEFFICIENT;
+use super::learned_damping::{COEFFICIENT, beside};
 use super::{Effect, Force, Law, Memory, Motion, Place, Property, Quantity, Slot, Spline};
 
 struct Drift(Spline);
 
 impl Force for Drift {
     fn force(&self, motion: &Motion, _x: f64, v: f64, _memory: &Memory) -> f64 {
-        // A damper never drives.
-        self.0.nearest(motion.time).max(-motion.damping) * v
+        beside(motion, self.0.nearest(motion.time)) * v
     }
 }
 

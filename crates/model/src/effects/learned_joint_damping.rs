@@ -1,15 +1,14 @@
 //! Damping across the joint, of any shape over the position.
 
 use super::learned::{FINER, PARAMETERS, parameters, spline, start};
-use super::learned_damping::COEFFICIENT;
+use super::learned_damping::{COEFFICIENT, beside};
 use super::{Effect, Force, Law, Memory, Motion, Place, Property, Quantity, Slot, Spline};
 
 struct OverMotor(Spline);
 
 impl Force for OverMotor {
     fn force(&self, motion: &Motion, _x: f64, v: f64, _memory: &Memory) -> f64 {
-        // A damper never drives.
-        self.0.nearest(motion.motor[0]).max(-motion.damping) * v
+        beside(motion, self.0.nearest(motion.motor[0])) * v
     }
 }
 
