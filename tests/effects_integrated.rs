@@ -239,3 +239,55 @@ fn neutral_laws_in_the_chain_change_nothing_to_the_bit() {
         assert!(same, "{} in the {}", effect.name, place.name());
     }
 }
+
+/// Lagrange's equations of a joint with a load on a string, `y` the link, `phi` the load's angle over `a`: both
+/// accelerations solved from the 2 x 2 mass matrix.
+fn hung([y, v, phi, rate]: [f64; 4], t: f64, [mass, w, damping, tilt]: [f64; 4]) -> [f64; 4] {
+    let a = w * w * tilt;
+    let (sin, cos) = (a * phi).sin_cos();
+    let slope = (motor(t + 1e-5) - motor(t - 1e-5)) / 2e-5;
+    let n = NATURAL_FREQUENCY;
+    let elastic = n * n * (y - motor(t)) + 2.0 * DAMPING_RATIO * n * (v - slope);
+    let forces = [
+        mass * a * rate * rate * sin - elastic,
+        -mass * (w * w * sin / a + 2.0 * damping * w * rate),
+    ];
+    let [first, across, last] = [1.0 + mass, mass * cos, mass];
+    let determinant = first * last - across * across;
+    [
+        v,
+        (last * forces[0] - across * forces[1]) / determinant,
+        rate,
+        (first * forces[1] - across * forces[0]) / determinant,
+    ]
+}
+
+#[test]
+fn val_a_swinging_load_follows_lagrange() {
+    const FINE: f64 = 2e-4;
+    let scales = scales(&simulate(None, &grid(STEP)).unwrap());
+    let load = Effect::from_name("swinging_load").unwrap();
+    // Swings of 3 degrees and of more than a right angle.
+    for tilt in [0.05, 2.0] {
+        let values = [0.3, 1.3 * TAU, 0.04, tilt / scales.acceleration];
+        let found = simulate(Some(((load.law)(&values), Place::Link)), &grid(STEP / 8.0)).unwrap();
+        let found: Vec<f64> = deformation(&found).into_iter().step_by(2).collect();
+        let mut state = [motor(0.0), 0.0, 0.0, 0.0];
+        let mut expected = vec![0.0];
+        for step in 0..1625 * 20 {
+            let t = FINE * f64::from(step);
+            let ahead = |k: [f64; 4], h: f64| std::array::from_fn(|i| state[i] + h * k[i]);
+            let first = hung(state, t, values);
+            let second = hung(ahead(first, FINE / 2.0), t + FINE / 2.0, values);
+            let third = hung(ahead(second, FINE / 2.0), t + FINE / 2.0, values);
+            let fourth = hung(ahead(third, FINE), t + FINE, values);
+            let slope = |i| (first[i] + 2.0 * (second[i] + third[i]) + fourth[i]) / 6.0;
+            state = ahead(std::array::from_fn(slope), FINE);
+            if (step + 1) % 20 == 0 {
+                expected.push(state[0] - motor(t + FINE));
+            }
+        }
+        let error = rms_difference(&found, &expected) / scales.deformation;
+        assert!(error < 1e-5, "tilt {tilt}: {error:.1e}");
+    }
+}

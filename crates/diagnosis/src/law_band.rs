@@ -45,12 +45,7 @@ pub fn law_curve(
 
 /// The variables of a law beside its coordinate, with the stiffness and damping of a point.
 pub fn still(problem: &Problem, point: &Point) -> Motion {
-    let linear = (problem.kind.linear)(&point.keys, problem.experiments[0].input);
-    Motion {
-        stiffness: linear.stiffness / linear.unit_force,
-        damping: linear.damping / linear.unit_force,
-        ..Motion::default()
-    }
+    (problem.kind.linear)(&point.keys, problem.experiments[0].input).at_rest()
 }
 
 /// A law to be drawn.

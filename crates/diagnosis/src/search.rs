@@ -74,7 +74,12 @@ impl Search<'_> {
             return false;
         }
         (self.progress)(0.5, "looking for a further effect");
-        self.extend_by(pool, &next, Table::Named);
+        let baseline = pool.baseline();
+        match next.terms() > 1 && !pool.is_extended(baseline, Table::Learned) {
+            // One law of any shape is a simpler explanation than three of the catalogue.
+            true => self.extend_by(pool, &baseline.clone(), Table::Learned),
+            false => self.extend_by(pool, &next, Table::Named),
+        }
         true
     }
 

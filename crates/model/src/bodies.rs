@@ -32,6 +32,17 @@ impl Bodies {
         }
     }
 
+    /// A further inertia that moves with the body of an attachment to ground.
+    #[inline(always)]
+    pub fn load(&mut self, attachment: Attachment, inertia: f64) {
+        let body = usize::from(attachment != Attachment::Motor);
+        match self.mobility[body] > 0.0 {
+            true => self.mobility[body] /= 1.0 + inertia * self.mobility[body],
+            // Its motion is prescribed.
+            false => self.force[body] -= inertia * self.bias[body],
+        }
+    }
+
     /// `m y'' + m' y'^2 / 2 = F` with an inertia that depends on time and pose.
     pub fn reshape(&mut self, inertia: &dyn Inertia, motion: &Motion, body: usize) {
         let [y, v] = motion.link;

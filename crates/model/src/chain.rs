@@ -159,8 +159,7 @@ impl Chain {
                 time,
                 motor,
                 link,
-                stiffness: constants.stiffness,
-                damping: constants.damping,
+                ..constants.at_rest
             },
             encoder,
             ratio,
@@ -232,8 +231,11 @@ impl Chain {
         for element in &self.forces {
             let attachment = self.attachment(element.place);
             let [x, v] = coordinate(attachment, motion);
-            let force = element.law.force(motion, x, v, &element.memory);
+            let [force, inertia] = element.law.load(motion, x, v, &element.memory);
             bodies.resist(attachment, unit * force, ratio);
+            if inertia != 0.0 {
+                bodies.load(attachment, unit * inertia);
+            }
         }
         let body = usize::from(self.linear.link.is_some());
         for inertia in &self.inertias {
@@ -325,8 +327,7 @@ pub(super) struct Position {
 pub(super) struct Constants {
     mobility: [f64; 2],
     viscous: [f64; 2],
-    stiffness: f64,
-    damping: f64,
+    at_rest: Motion,
 }
 
 impl Constants {
@@ -343,8 +344,7 @@ impl Constants {
         Self {
             mobility: [motor, link],
             viscous: [drag, ground],
-            stiffness: linear.stiffness / linear.unit_force,
-            damping: linear.damping / linear.unit_force,
+            at_rest: linear.at_rest(),
         }
     }
 

@@ -226,12 +226,7 @@ impl Model {
 
     /// The model at rest, as the laws of its effects see it.
     pub fn still(&self) -> Motion {
-        let linear = (self.kind.linear)(&self.keys(), self.kind.inputs[0]);
-        Motion {
-            stiffness: linear.stiffness / linear.unit_force,
-            damping: linear.damping / linear.unit_force,
-            ..Motion::default()
-        }
+        (self.kind.linear)(&self.keys(), self.kind.inputs[0]).at_rest()
     }
 
     /// Whether a channel of this role can drive the model with its present values.

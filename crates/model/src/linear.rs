@@ -1,7 +1,7 @@
 //! The linear part of a chain, from the keys of a model.
 
 use super::attachment::Attachment;
-use crate::effects::Place;
+use crate::effects::{Motion, Place};
 
 /// The motion of the motor side.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +74,20 @@ impl Linear {
         position_loop: None,
         unit_force: 1.0,
     };
+
+    /// What laws see of the chain at rest.
+    pub fn at_rest(&self) -> Motion {
+        let inertia = match (self.link, self.motor) {
+            (Some((inertia, _)), _) | (None, MotorSide::Free { inertia, .. }) => inertia,
+            (None, _) => 0.0,
+        };
+        Motion {
+            stiffness: self.stiffness / self.unit_force,
+            damping: self.damping / self.unit_force,
+            inertia: inertia / self.unit_force,
+            ..Motion::default()
+        }
+    }
 
     /// Attachment of a force at a place; a missing body is replaced by its neighbour.
     #[inline(always)]

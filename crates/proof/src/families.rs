@@ -38,7 +38,7 @@ pub const FAMILIES: &[Family] = &[
             "quadratic_damping",
         ],
     ),
-    family_of("mode", &["second_mode", "base_mode"]),
+    family_of("mode", &["second_mode", "base_mode", "swinging_load"]),
     family_of(
         "clock",
         &[

@@ -29,7 +29,7 @@ const FORCE: &str =
     "MuJoCo has no element for it: apply the law as a force in the callback `mjcb_passive`.";
 
 /// Effects for which MuJoCo has no element, and what to do.
-const ABSENT: [(&str, &str); 20] = [
+const ABSENT: [(&str, &str); 21] = [
     ("smooth_coulomb_friction", FORCE),
     ("hysteretic_stiffness", FORCE),
     ("bilinear_stiffness", FORCE),
@@ -45,6 +45,10 @@ const ABSENT: [(&str, &str); 20] = [
     (
         "pose_dependent_frequency",
         "MuJoCo takes it from the geometry: model the bodies that fold and reach out.",
+    ),
+    (
+        "swinging_load",
+        "MuJoCo takes it from the geometry: hang a body below the link on a hinge, and give gravity.",
     ),
     (
         "payload_change",

@@ -76,7 +76,14 @@ pub const TOLD: [(&str, &[&str]); 24] = [
         "vibration dies out fast at first and slowly later",
         &["quadratic_damping"],
     ),
-    ("rings at two frequencies", &["second_mode", "base_mode"]),
+    (
+        "rings at two frequencies",
+        &["second_mode", "base_mode", "swinging_load"],
+    ),
+    (
+        "sways on at about 1 Hz after it has stopped",
+        &["swinging_load"],
+    ),
     ("shakes what it stands on", &["base_mode"]),
     (
         "rings more or less strongly than it should",

@@ -15,6 +15,8 @@ pub struct Motion {
     pub stiffness: f64,
     /// Damping across the transmission, force per velocity.
     pub damping: f64,
+    /// Inertia of the link (of the motor side where there is no link), force per acceleration.
+    pub inertia: f64,
 }
 
 impl Motion {
@@ -48,6 +50,12 @@ pub const STATES: usize = 8;
 pub trait Force: Send + Sync {
     /// The force at `x`, `v`, for a memory written at the start of the step.
     fn force(&self, motion: &Motion, x: f64, v: f64, memory: &Memory) -> f64;
+
+    /// The force, and the inertia that a load adds to the body at a place that is attached to ground, force per
+    /// acceleration.
+    fn load(&self, motion: &Motion, x: f64, v: f64, memory: &Memory) -> [f64; 2] {
+        [self.force(motion, x, v, memory), 0.0]
+    }
 
     /// The state at the end of a step that leads to this motion, `x` and `v`. It is also called once at the
     /// start of the motion. The step does not cross a zero of [`Force::switch`].

@@ -74,6 +74,7 @@ mod spline;
 mod stiction;
 mod stiffness_drift;
 mod stribeck_friction;
+mod swinging_load;
 mod torque_constant_nonlinearity;
 mod transmission_ripple;
 mod viscoelastic_creep;
@@ -196,6 +197,7 @@ pub const EFFECTS: &[&Effect] = &[
     &end_stop::END_STOP,
     &second_mode::SECOND_MODE,
     &base_mode::BASE_MODE,
+    &swinging_load::SWINGING_LOAD,
     &sensor_delay::SENSOR_DELAY,
     &sensor_lag::SENSOR_LAG,
     &sensor_lag_second_order::SENSOR_LAG_SECOND_ORDER,

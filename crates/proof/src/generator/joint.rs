@@ -21,7 +21,7 @@ pub struct Hose {
     pub frequency: f64,
     /// Its damping ratio.
     pub damping_ratio: f64,
-    /// Its inertia over the link's.
+    /// Mass times both lengths over the link's inertia.
     pub share: f64,
     /// The arm's length over the hose's.
     pub length_ratio: f64,

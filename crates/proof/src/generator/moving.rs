@@ -108,7 +108,7 @@ impl Moving<'_> {
         let x = state[Y] - state[B] - motor[0];
         let x_rate = state[Y_RATE] - state[B_RATE] - motor[1];
         let (inertia, bend) = self.inertia(time, state[Y]);
-        let (swing, hose) = self.hose(state);
+        let (swing, hose, dragged) = self.hose(state);
         let base = joint.base.map_or((0.0, 0.0), |base| {
             let torque = base.stiffness * state[B] + base.damping * state[B_RATE];
             (-torque, 1.0 / base.inertia)
@@ -123,7 +123,7 @@ impl Moving<'_> {
             position,
             x,
             x_rate,
-            inertia,
+            inertia: inertia + dragged,
             swing,
         }
     }
@@ -209,17 +209,19 @@ impl Moving<'_> {
         torque + joint.knocks.iter().map(|knock| knock.at(time)).sum::<f64>()
     }
 
-    /// The hose's own acceleration without the link's, and its pull on the link.
-    fn hose(&self, state: &State) -> (f64, f64) {
+    /// The hose's own acceleration without the link's, its pull on the link, and the inertia that the link drags along
+    /// the hose.
+    fn hose(&self, state: &State) -> (f64, f64, f64) {
         let Some(hose) = self.joint.hose else {
-            return (0.0, 0.0);
+            return (0.0, 0.0, 0.0);
         };
         let w = hose.frequency;
         let (angle, rate) = (state[SWING], state[SWING_RATE]);
         let (sin, cos) = angle.sin_cos();
         let back = w * w * sin + 2.0 * hose.damping_ratio * w * rate;
-        let pull = self.joint.inertia * hose.share * (back * cos + rate * rate * sin);
-        (-back, pull)
+        let coupling = self.joint.inertia * hose.share;
+        let pull = coupling * (back * cos + rate * rate * sin);
+        (-back, pull, coupling * hose.length_ratio * sin * sin)
     }
 
     /// Speed of what the friction holds the link to.

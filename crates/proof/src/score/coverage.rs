@@ -71,6 +71,8 @@ const SAME: &[(&str, &str, &[&str])] = &[
     ("quadratic_drag", "coefficient", &["coefficient"]),
     ("gravity_load", "amplitude", &["amplitude"]),
     ("second_mode", "natural_frequency", &["natural_frequency"]),
+    ("swinging_load", "mass_ratio", &["mass_ratio"]),
+    ("swinging_load", "natural_frequency", &["natural_frequency"]),
     ("payload_change", "time", &["time", "at_s"]),
     ("payload_change", "change", &["change"]),
     (

@@ -1,6 +1,6 @@
 //! Effects on the link, under the base and from outside.
 
-use super::super::joint::Body;
+use super::super::joint::{Body, Hose};
 use super::super::surfaces::{DryFriction, Knock, Stop};
 use super::{Arm, Entry, OUTER, Parameters, Scales, between, entry, log_between, sign};
 use nalgebra::Complex;
@@ -15,6 +15,7 @@ pub(super) const ENTRIES: &[Entry] = &[
     entry("quadratic_drag", PLACE, [0.1, 1.0], quadratic_drag),
     entry("gravity_load", PLACE, [0.1, 1.0], gravity),
     entry("second_mode", PLACE, [0.15, 0.6], second_mode).more_than(only_its_flexibility),
+    entry("swinging_load", PLACE, [0.05, 0.6], load).more_than(swaying),
     entry("pose_dependent_frequency", PLACE, [0.1, 0.5], pose).in_a_programme(),
     entry("payload_change", PLACE, [0.1, 0.8], payload).in_a_programme(),
     entry("end_stop", PLACE, [0.3, 1.5], end_stop).in_a_programme(),
@@ -88,6 +89,34 @@ fn on_outer(shape: [f64; 4]) -> bool {
 fn only_its_flexibility(arm: &mut Arm, _: &Scales, shape: [f64; 4], _: f64, by: [f64; 2]) {
     let seen = if on_outer(shape) { 1.0 } else { -1.0 };
     arm.faults.deformation_gain = seen * by[0] / outer_ratio(shape).powi(2);
+}
+
+/// A load that hangs on the link and swings far.
+fn load(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
+    let frequency = TAU * between(0.6, 2.0, shape[0]);
+    let push = scales.deformation * scales.natural_frequency.powi(2);
+    // The greatest acceleration turns it by about a radian.
+    let length_ratio = frequency * frequency / push * between(0.6, 1.5, shape[2]);
+    arm.joint.hose = Some(Hose {
+        frequency,
+        damping_ratio: between(0.02, 0.15, shape[1]),
+        share: size,
+        length_ratio,
+    });
+    vec![
+        ("natural_frequency", frequency),
+        ("mass_ratio", size * length_ratio),
+    ]
+}
+
+/// The same with small swings.
+fn swaying(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64, by: [f64; 2]) {
+    const LESS: f64 = 1e-3;
+    load(arm, scales, shape, size * by[0] / LESS);
+    if let Some(hose) = &mut arm.joint.hose {
+        hose.length_ratio *= LESS;
+        hose.frequency *= by[1];
+    }
 }
 
 /// A body whose own spring gives it this frequency (rad/s) and damping ratio.

@@ -1,7 +1,6 @@
 //! Effects that no catalogue of the usual physics holds.
 
 use super::super::Channel;
-use super::super::joint::Hose;
 use super::super::surfaces::DryFriction;
 use super::{ANY, Arm, Entry, Parameters, Scales, between, entry, log_between, sign};
 use std::f64::consts::TAU;
@@ -37,7 +36,6 @@ pub(super) const ENTRIES: &[Entry] = &[
     )
     .unknown()
     .in_a_programme(),
-    entry("swinging_cable", "link", [0.05, 0.6], hose).unknown(),
     entry("sensor_fifth_order", "sensor", [0.1, 1.0], fifth)
         .unknown()
         .seen_by(ANY),
@@ -79,20 +77,6 @@ fn waving_friction(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -
         ("depth", waves[0]),
         ("order", waves[1]),
     ]
-}
-
-/// A hose that hangs on the link and swings far.
-fn hose(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
-    let frequency = TAU * between(0.6, 2.0, shape[0]);
-    let push = scales.deformation * scales.natural_frequency.powi(2);
-    arm.joint.hose = Some(Hose {
-        frequency,
-        damping_ratio: between(0.02, 0.15, shape[1]),
-        share: size,
-        // The greatest acceleration turns it by about a radian.
-        length_ratio: frequency * frequency / push * between(0.6, 1.5, shape[2]),
-    });
-    vec![("frequency_hz", frequency / TAU), ("share", size)]
 }
 
 /// A sensor that bends at the ends of its range.

@@ -1,0 +1,178 @@
+//! A load that hangs on the link and swings far.
+
+use super::base_mode::BASE_MODE;
+use super::grid::{frequency_bounds, product};
+use super::second_mode::SECOND_MODE;
+use super::{
+    Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
+    Quantity,
+};
+
+/// Angular frequency of a load that hangs on one centimetre, rad/s; none hangs on less.
+const FASTEST: f64 = 31.0;
+
+/// That of one that hangs on 2.5 m, rad/s.
+const SLOWEST: f64 = 2.0;
+
+/// Largest angle of the pendulum's phase in a step of the midpoint rule, whose error is then 1e-4 of the swing
+/// in a radian.
+const RADIANS_A_STEP: f64 = 0.025;
+
+/// Most such steps, for frequencies that no pendulum has.
+const MOST: f64 = 1e3;
+
+struct Pendulum {
+    mass_ratio: f64,
+    natural_frequency: f64,
+    damping_ratio: f64,
+    /// Angle for a unit of the scaled deflection `phi`.
+    angle: f64,
+}
+
+impl Pendulum {
+    /// `sin(a phi) / a` and `cos(a phi)`.
+    fn lever(&self, phi: f64) -> [f64; 2] {
+        match self.angle == 0.0 {
+            true => [phi, 1.0],
+            false => {
+                let (sin, cos) = (self.angle * phi).sin_cos();
+                [sin / self.angle, cos]
+            }
+        }
+    }
+
+    /// Rates of deflection and momentum `p = phi' + v cos(a phi)` while the link moves with `v`. The momentum spares the
+    /// link's acceleration.
+    fn rates(&self, [phi, p]: [f64; 2], v: f64) -> [f64; 2] {
+        let (w, [sin, cos]) = (self.natural_frequency, self.lever(phi));
+        let rate = p - v * cos;
+        let back = w * w * sin + 2.0 * self.damping_ratio * w * rate;
+        [rate, -back - self.angle * self.angle * v * rate * sin]
+    }
+
+    /// Deflection and momentum at a time, the link's speed being linear within the step.
+    fn at(&self, time: f64, v: f64, memory: &Memory) -> [f64; 2] {
+        let [phi, p, before, ..] = memory.states;
+        let span = (time - memory.time).max(0.0);
+        let parts = (self.natural_frequency * span / RADIANS_A_STEP)
+            .ceil()
+            .min(MOST);
+        let (h, change) = (span / parts, (v - before) / parts);
+        let ahead =
+            |[phi, p]: [f64; 2], rates: [f64; 2], h: f64| [phi + h * rates[0], p + h * rates[1]];
+        let step = |state, part| {
+            let first = self.rates(state, before + change * part as f64);
+            let middle = ahead(state, first, 0.5 * h);
+            ahead(
+                state,
+                self.rates(middle, before + change * (part as f64 + 0.5)),
+                h,
+            )
+        };
+        (0..parts as usize).fold([phi, p], step)
+    }
+}
+
+impl Force for Pendulum {
+    fn force(&self, motion: &Motion, x: f64, v: f64, memory: &Memory) -> f64 {
+        self.load(motion, x, v, memory)[0]
+    }
+
+    fn load(&self, motion: &Motion, _x: f64, v: f64, memory: &Memory) -> [f64; 2] {
+        if self.mass_ratio == 0.0 {
+            return [0.0; 2];
+        }
+        let [phi, p] = self.at(motion.time, v, memory);
+        let (w, [sin, cos]) = (self.natural_frequency, self.lever(phi));
+        let rate = p - v * cos;
+        let back = w * w * sin + 2.0 * self.damping_ratio * w * rate;
+        let squared = self.angle * self.angle;
+        let inertia = self.mass_ratio * motion.inertia;
+        [
+            -inertia * (back * cos + squared * rate * rate * sin),
+            inertia * squared * sin * sin,
+        ]
+    }
+
+    /// Deflection, momentum and the link's speed in [`Memory::states`]. The load hangs at rest below the link before the motion.
+    fn remember(&self, motion: &Motion, x: f64, v: f64, memory: &mut Memory) {
+        let [phi, p] = match memory.state == 0.0 {
+            true => [0.0, 0.0],
+            false => self.at(motion.time, v, memory),
+        };
+        (memory.states[0], memory.states[1], memory.states[2]) = (phi, p, v);
+        (memory.state, memory.position, memory.time) = (1.0, x, motion.time);
+    }
+}
+
+/// A pendulum on the link: `phi'' = -w^2 sin(th) / a - 2 xi w phi' - y'' cos(th)`, `th = a phi`.
+pub const SWINGING_LOAD: Effect = Effect {
+    name: "swinging_load",
+    title: "swinging load",
+    places: &[Place::Link],
+    physics: "A hose, a cable or a load on a hook hangs on the link and swings so far that it is no linear pendulum: \
+        th'' + 2 xi w th' + w^2 sin(th) = -a y'' cos(th). a = w^2 tilt is the link's lever over the string's length. With M = \
+        mass_ratio times the link's inertia, the load pulls the link with M (th'^2 sin(th) - (th'' + a y'' cos(th)) cos(th)) / a, \
+        and adds M sin(th)^2 to its inertia, since it is dragged along its string. Small swings are those of a second mode. \
+        Source: Abdel-Rahman, Nayfeh and Masoud, J. Vibration and Control 9 (2003); Singhose, Kim and Kenison, ASME J. \
+        Dynamic Systems, Measurement, and Control 130 (2008).",
+    remedy: "Tie the hose or the load to the arm; else shape for the pendulum's frequency as well.",
+    parameters: &[
+        Parameter {
+            name: "mass_ratio",
+            role: ParameterRole::Size,
+            quantity: Quantity::NUMBER,
+            bounds: |_| (0.0, 1.0),
+            neutral: 0.0,
+            typical: |_| 0.1,
+        },
+        Parameter {
+            name: "natural_frequency",
+            role: ParameterRole::Frequency,
+            quantity: Quantity::FREQUENCY,
+            bounds: |scales| {
+                let lowest = frequency_bounds(scales).0.min(SLOWEST);
+                (lowest, FASTEST)
+            },
+            neutral: 1.0,
+            typical: |_| 2.0 * SLOWEST,
+        },
+        Parameter {
+            name: "damping_ratio",
+            role: ParameterRole::Shape,
+            quantity: Quantity::NUMBER,
+            bounds: |_| (0.0, 0.5),
+            neutral: 0.0,
+            typical: |_| 0.05,
+        },
+        Parameter {
+            // The angle at which the load hangs behind a link of unit acceleration: its lever over gravity.
+            name: "tilt",
+            role: ParameterRole::Shape,
+            quantity: Quantity::new(0, -1, 2),
+            bounds: |scales| (0.0, 10.0 / scales.acceleration),
+            neutral: 0.0,
+            typical: |scales| 1.0 / scales.acceleration,
+        },
+    ],
+    properties: &[
+        Property::Contains(&SECOND_MODE),
+        Property::Contains(&BASE_MODE),
+        Property::Alike(Likeness::Resonance),
+    ],
+    law: |p| {
+        Law::Force(Box::new(Pendulum {
+            mass_ratio: p[0],
+            natural_frequency: p[1],
+            damping_ratio: p[2],
+            angle: p[1] * p[1] * p[3],
+        }))
+    },
+    starts: |scales| {
+        let steps = 6;
+        let ratio = (FASTEST / SLOWEST).powf(1.0 / f64::from(steps));
+        let frequencies: Vec<f64> = (0..steps).map(|k| SLOWEST * ratio.powi(k)).collect();
+        let tilts = [0.1, 1.0].map(|tilt| tilt / scales.acceleration);
+        product(&[&[0.1], &frequencies, &[0.05], &tilts])
+    },
+};
