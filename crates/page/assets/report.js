@@ -108,77 +108,81 @@
     };
   }
 
-  // Dashed lines at given times and levels, each with its words, in rows where they would overlap.
+  // Words on places of the abscissa stand above the curves, in rows where they would overlap, each right of its line or left of it.
+  const ROW = 18;
+  function rows(u, chart) {
+    const { ctx } = fits, end = u.bbox.width / devicePixelRatio, found = [];
+    ctx.font = `12px ${family()}`;
+    const place = (label, at, line) => {
+      const width = ctx.measureText(label).width, from = at + (line ? 5 : 2);
+      const left = Math.max(0, from + width <= end ? from : line ? at - 5 - width : end - width);
+      const hits = (row) => found.some((f) =>
+        (f.row === row && left - 8 < f.left + f.width && f.left < left + width + 8) ||
+        (f.line && f.row >= row && left - 3 < f.at && f.at < left + width + 3) ||
+        (line && f.row < row && f.left - 3 < at && at < f.left + f.width + 3));
+      let row = 0;
+      while (hits(row) && row < 12) row++;
+      found.push({ label, at, line, left, width, row });
+    };
+    const inside = (at) => !(chart.x.log && !(at > 0)) && u.valToPos(at, "x") >= 0 && u.valToPos(at, "x") <= end;
+    for (const { at, label } of [...chart.markers].sort((a, b) => b.at - a.at)) {
+      if (inside(at)) place(label, u.valToPos(at, "x"), true);
+    }
+    for (const { from, to, label, upright } of chart.shades) {
+      if (!label || upright || !(inside(from) || inside(to))) continue;
+      place(label, Math.max(0, u.valToPos(from, "x")), false);
+    }
+    return found;
+  }
+  // The room above the curves. The first time that it is asked for, there are no scales yet.
+  const above = (chart) => (u, side, axes, cycle) =>
+    8 + (cycle ? ROW * rows(u, chart).reduce((most, one) => Math.max(most, one.row + 1), 0) : 0);
+
+  // Dashed lines at given places of the abscissa, with their words; chain lines at given levels; edges of what is shaded across.
   function annotate(chart) {
     return (u) => {
-      const { ctx, bbox } = u, px = devicePixelRatio, placed = [];
+      const { ctx, bbox } = u, px = devicePixelRatio, bottom = bbox.top + bbox.height;
       ctx.save();
-      ctx.beginPath();
-      ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
-      ctx.clip();
       ctx.font = `${12 * px}px ${family()}`;
       ctx.textAlign = "left";
+      ctx.textBaseline = "middle";
       ctx.lineWidth = 1.25 * px;
       ctx.strokeStyle = ctx.fillStyle = colour("quiet");
-      ctx.setLineDash([5 * px, 4 * px]);
       const line = (x0, y0, x1, y1) => { ctx.beginPath(); ctx.moveTo(x0, y0); ctx.lineTo(x1, y1); ctx.stroke(); };
-      const words = (text, left, middle) => {
-        const width = ctx.measureText(text).width, pad = 3 * px;
-        ctx.globalAlpha = 0.85;
-        ctx.fillStyle = colour("card");
-        ctx.fillRect(left - pad, middle - 8 * px, width + 2 * pad, 16 * px);
-        ctx.globalAlpha = 1;
-        ctx.fillStyle = colour("quiet");
-        ctx.textBaseline = "middle";
-        ctx.fillText(text, left, middle);
-      };
-      const notes = [];
-      for (const { at, label } of chart.levels) {
-        if (chart.y.log && !(at > 0)) continue;
+      const across = (at) => {
+        if (chart.y.log && !(at > 0)) return;
         const y = u.valToPos(at, "y", true);
-        line(bbox.left, y, bbox.left + bbox.width, y);
-        const width = ctx.measureText(label).width, left = bbox.left + bbox.width - width - 6 * px;
-        const middle = y - 10 * px < bbox.top + 8 * px ? y + 10 * px : y - 10 * px;
-        placed.push({ left, right: left + width, middle });
-        notes.push([label, left, middle]);
+        if (y >= bbox.top && y <= bottom) line(bbox.left, y, bbox.left + bbox.width, y);
+      };
+      ctx.setLineDash([5 * px, 4 * px]);
+      for (const { label, at, left, line: ruled, row } of rows(u, chart)) {
+        const x = bbox.left + at * px, middle = bbox.top - (row + 0.5) * ROW * px;
+        if (ruled) line(x, middle - 6 * px, x, bottom);
+        ctx.fillText(label, bbox.left + left * px, middle);
       }
-      for (const { at, label } of [...chart.markers].sort((a, b) => a.at - b.at)) {
-        if (chart.x.log && !(at > 0)) continue;
-        const x = u.valToPos(at, "x", true);
-        if (x < bbox.left || x > bbox.left + bbox.width) continue;
-        line(x, bbox.top, x, bbox.top + bbox.height);
-        const width = ctx.measureText(label).width;
-        let left = x + 6 * px;
-        if (left + width > bbox.left + bbox.width - 4 * px) left = x - width - 6 * px;
-        let middle = bbox.top + 12 * px;
-        const hit = () => placed.some((p) =>
-          Math.abs(p.middle - middle) < 17 * px && left - 8 * px < p.right && p.left < left + width + 8 * px);
-        for (let row = 0; hit() && row < 12; row++) middle += 18 * px;
-        placed.push({ left, right: left + width, middle });
-        notes.push([label, left, middle]);
-      }
-      for (const { from, to, label, upright } of chart.shades) {
-        if (!label) continue;
-        const width = ctx.measureText(label).width, end = bbox.left + bbox.width;
-        let left = end - width - 6 * px, middle = bbox.top + 12 * px;
-        if (upright) {
-          middle = u.valToPos(Math.max(from, to), "y", true) - 10 * px;
-          if (middle < bbox.top + 8 * px) middle = bbox.top + 12 * px;
-        } else {
-          const [a, b] = [from, to].map((at) => u.valToPos(at, "x", true));
-          if (b < bbox.left || a > end) continue;
-          left = Math.max(bbox.left, Math.min(Math.max(a, bbox.left) + 6 * px, left));
-        }
-        const hit = () => placed.some((p) =>
-          Math.abs(p.middle - middle) < 17 * px && left - 8 * px < p.right && p.left < left + width + 8 * px);
-        for (let row = 0; hit() && row < 12; row++) middle += 18 * px;
-        placed.push({ left, right: left + width, middle });
-        notes.push([label, left, middle]);
-      }
+      ctx.setLineDash([9, 3, 2, 3].map((part) => part * px));
+      for (const { at } of chart.levels) across(at);
       ctx.setLineDash([]);
-      for (const note of notes) words(...note);
+      ctx.lineWidth = px;
+      for (const { from, to, upright } of chart.shades) if (upright) [from, to].forEach(across);
       ctx.restore();
     };
+  }
+
+  // What a level or a stretch of the ordinate is, below the legend of the curves.
+  function keys(chart, host) {
+    const list = document.createElement("div");
+    list.className = "keys";
+    const add = (kind, words) => {
+      const [one, sign] = [document.createElement("span"), document.createElement("span")];
+      sign.className = kind;
+      one.append(sign, words);
+      list.append(one);
+    };
+    const unit = chart.y.unit && "\u202f" + chart.y.unit;
+    for (const { at, label } of chart.levels) add("level", `${label}: ${tidy(at, 5)}${unit}`);
+    for (const { label, upright } of chart.shades) if (upright && label) add("stretch", label);
+    if (list.childElementCount) host.append(list);
   }
 
   // An impulse: a line from zero with a dot, series side by side where they share a time.
@@ -232,14 +236,15 @@
     };
   }
 
-  const stroke = (s) => colour("c" + (s.colour % 10));
+  const stroke = (s) => colour("c" + s.colour);
 
   function uplotSeries(chart) {
     const made = [{ label: chart.x.name, value: measured(chart.x) }], bands = [];
+    const several = chart.series.filter((s) => s.kind !== "band").length > 1;
     for (const s of chart.series) {
       const one = {
         label: s.name, stroke: () => stroke(s), width: 1.75, value: measured(chart.y),
-        dash: chart.series.length > 1 ? DASHES[Math.floor(s.colour / 7) % 3] : DASHES[0], points: { show: false },
+        dash: several ? DASHES[s.dash] : DASHES[0], points: { show: false },
       };
       if (s.kind === "broad") Object.assign(one, { width: 6, stroke: () => stroke(s) + "90" });
       if (s.kind === "points") Object.assign(one, { paths: () => null, points: { show: true, size: s.x.length > 400 ? 3 : 6, fill: stroke(s) } });
@@ -266,13 +271,13 @@
     const upright = withUnit(chart.y), beside = fits(upright, height);
     host.replaceChildren();
     if (!beside) {
-      const above = document.createElement("p");
-      above.className = "upright";
-      above.textContent = upright;
-      host.append(above);
+      const words = document.createElement("p");
+      words.className = "upright";
+      words.textContent = upright;
+      host.append(words);
     }
-    return new uPlot({
-      width, height,
+    const plot = new uPlot({
+      width, height, padding: [above(chart), null, null, null],
       scales: {
         x: { time: false, distr: chart.x.log ? 3 : 1, range: xRange(chart.x, chart.kind === "stems") },
         y: { distr: chart.y.log ? 3 : 1, range: yRange(chart.y, chart.levels, chart.shades, chart.kind === "stems") },
@@ -283,6 +288,8 @@
       focus: { alpha: 0.35 },
       legend: { markers: markers(made) },
     }, data, host);
+    keys(chart, host);
+    return plot;
   }
 
   // Charts of one abscissa share the cursor; each keeps its own zoom.

@@ -1,5 +1,6 @@
 //! The content of a chart: its axes and its series, and their data for the script.
 
+use super::colour::{COLOURS, dash};
 use super::html::{json_number, json_numbers, json_string};
 use super::thin::thinned;
 
@@ -84,9 +85,11 @@ impl Series {
             "[]".into()
         };
         format!(
-            "{{\"name\":{},\"kind\":\"{}\",\"colour\":{colour},\"x\":{places},\"y\":{},\"low\":{low}}}",
+            "{{\"name\":{},\"kind\":\"{}\",\"colour\":{},\"dash\":{},\"x\":{places},\"y\":{},\"low\":{low}}}",
             json_string(&self.label),
             self.kind,
+            colour % COLOURS,
+            dash(colour),
             ordinates(&self.y),
         )
     }

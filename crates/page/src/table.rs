@@ -1,6 +1,6 @@
 //! Tables.
 
-use super::colour::swatch;
+use super::colour::line;
 use super::html::significant;
 use maud::{Markup, html};
 
@@ -161,7 +161,7 @@ impl Table {
                         @match row.cells.get(index) {
                             Some(Cell::Link { text, file }) => { a href=(file) { (text) } }
                             Some(Cell::Text(text)) => {
-                                @if let Some(slot) = own(index, text) { (swatch(slot)) }
+                                @if let Some(slot) = own(index, text) { (line(slot)) }
                                 (text)
                             }
                             Some(Cell::Number(value)) => { (significant(*value, DIGITS)) }
