@@ -7,7 +7,7 @@ mod topics;
 
 use super::out::Force;
 use super::{CliError, identify, next, output};
-use crate::page::{columns, fixed};
+use crate::page::{columns, digits, fixed, number};
 use crate::recording::health::{Health, health, remarks};
 use crate::recording::{
     Channel, MANIFEST, McapFile, Recording, is_csv, mcap_and_joint, plain as short,
@@ -207,6 +207,9 @@ fn page(recording: &Recording, figures: &[Health]) -> String {
     )
 }
 
+/// Decimals of a time in seconds.
+const MILLISECONDS: usize = 3;
+
 fn clock_row(channel: &Channel, health: &Health) -> [String; 7] {
     let clock = &health.clock;
     // No more digits than the first of the deviation.
@@ -216,16 +219,17 @@ fn clock_row(channel: &Channel, health: &Health) -> [String; 7] {
         channel.role.to_string(),
         clock.samples.to_string(),
         clock.rate().map_or("-".into(), |rate| fixed(rate, digits)),
-        plain(clock.start),
-        plain(clock.duration),
+        fixed(clock.start, MILLISECONDS),
+        fixed(clock.duration, MILLISECONDS),
         clock.missing.to_string(),
-        plain(1e6 * clock.jitter),
+        // Microseconds to the nanosecond, in which the finest stamps are: below that is rounding.
+        number((1e9 * clock.jitter).round() / 1e3),
     ]
 }
 
 fn value_rows<'a>(channel: &'a Channel, health: &'a Health) -> impl Iterator<Item = [String; 6]> {
     let names = column_names(channel);
-    let figure = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.3e}"));
+    let figure = |value: Option<f64>| number(value.map_or(f64::NAN, |value| digits(value, 3)));
     names
         .into_iter()
         .zip(&health.columns)
@@ -233,20 +237,12 @@ fn value_rows<'a>(channel: &'a Channel, health: &'a Health) -> impl Iterator<Ite
             [
                 name,
                 channel.unit.clone(),
-                plain(column.minimum),
-                plain(column.maximum),
+                number(column.minimum),
+                number(column.maximum),
                 figure(column.noise_std),
                 figure(column.quantum),
             ]
         })
-}
-
-/// Six decimals, or scientific notation if those would fill the line.
-fn plain(value: f64) -> String {
-    match value.abs() < 1e9 {
-        true => format!("{value:.6}"),
-        false => format!("{value:.6e}"),
-    }
 }
 
 fn column_names(channel: &Channel) -> Vec<String> {

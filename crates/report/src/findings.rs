@@ -221,6 +221,9 @@ fn table(page: Page, case: &Case) -> Page {
             ]);
         }
     }
+    if let Some(told) = case.forces_told() {
+        table = table.note(told);
+    }
     match rows {
         0 => page,
         _ => page.table(table),

@@ -140,9 +140,14 @@ fn picture(case: &Case, finding: &Finding, curve: &LawCurve) -> Chart {
         }
         None => chart,
     };
-    chart.note(match finding.learned() {
-        Some(_) => "Drawn where it was learned. What the model's own parameters can take up as well makes the band \
-                    wide.",
+    let read = match finding.learned() {
+        Some(_) => {
+            "Drawn where it was learned. What the model's own parameters can take up as well makes the band \
+                    wide."
+        }
         None => "What the law adds to the model, where the motion was.",
-    })
+    };
+    let told = case.force_of_law_told(finding);
+    let words: Vec<_> = [read].into_iter().chain(told).collect();
+    chart.note(words.join(" "))
 }

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::motion::residual;
-use super::score::score_beside;
+use super::score::{NOISE_ANEW, score_beside};
 use super::shown::{Shown, rms};
 use quell_diagnosis::Scored;
 use quell_page::{Page, Table, number};
@@ -70,10 +70,9 @@ fn scores(case: &Case) -> Table {
         .text_column("recording")
         .text_column("model")
         .text_column("score")
-        .note(
-            "Of the whole recording: clocks, offsets and unknown starts are fitted to all of it. The noise is measured \
-             anew beside each model.",
-        );
+        .note(format!(
+            "Of the whole recording: clocks, offsets and unknown starts are fitted to all of it. {NOISE_ANEW}"
+        ));
     let fold = |table: Table, own: &Scored| {
         let name = || own.recording.clone().into();
         let table = table.row([

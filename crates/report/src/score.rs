@@ -4,7 +4,21 @@ use super::case::Case;
 use super::head::times;
 use super::shown::Shown;
 use quell_diagnosis::{Carrying, Judgement, Score};
-use quell_page::{fixed, significant};
+use quell_page::{digits, fixed, significant};
+
+/// Why the noise in a score is not that of the diagnosis.
+pub const NOISE_ANEW: &str = "The noise in a score is measured anew, for its recording and beside its model: what changes from \
+    sample to sample without a pattern counts as noise, also where the model misses it.";
+
+impl Case<'_> {
+    /// Whether a score shows another noise than the diagnosis, to two digits.
+    pub fn noise_differs(&self) -> bool {
+        let fit = &self.diagnosis.fit;
+        let scores = fit.scores.iter().flat_map(|own| [&own.before, &own.after]);
+        let mut scores = scores.filter(|score| score.unit == fit.unit);
+        scores.any(|score| digits(score.noise_std, 2) != digits(fit.noise_std, 2))
+    }
+}
 
 /// One line: error in the unit of the recording and relative to the noise, the explained share of the
 /// recording, and how it was fitted if not to the whole in one piece.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::case::Case;
-use super::score::score_beside;
+use super::score::{NOISE_ANEW, score_beside};
 use super::{findings, happened, head, law, next, words};
 use quell_diagnosis::{Finding, Fit, NextMove, Verdict};
 use quell_page::{columns, number};
@@ -65,19 +65,23 @@ fn parameters(case: &Case) -> String {
             ]
         })
         .collect();
+    let told = case.forces_told();
+    let told = told.map_or_else(String::new, |told| format!("{told}\n"));
     match rows.is_empty() {
         true => String::new(),
-        false => columns(
-            [
-                "missing",
-                "place",
-                "parameter",
-                "value",
-                "95 % interval",
-                "unit",
-            ],
-            rows,
-        ),
+        false => {
+            columns(
+                [
+                    "missing",
+                    "place",
+                    "parameter",
+                    "value",
+                    "95 % interval",
+                    "unit",
+                ],
+                rows,
+            ) + &told
+        }
     }
 }
 
@@ -162,7 +166,11 @@ fn scores(case: &Case) -> String {
             false => before,
         }
     });
-    all.collect()
+    let all: String = all.collect();
+    match case.noise_differs() {
+        true => format!("{all}{NOISE_ANEW}\n"),
+        false => all,
+    }
 }
 
 /// The shape of a learned law, the remedy of a finding, and its alternatives.

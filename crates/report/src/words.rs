@@ -4,7 +4,16 @@ use super::case::Case;
 use super::shown::Shown;
 use quell_diagnosis::{Diagnosis, Finding, FittedParameter};
 pub use quell_model::effects::words as plain;
-use quell_model::effects::{ParameterRole, Place};
+use quell_model::effects::{ParameterRole, Place, Quantity};
+
+/// What a force in the unit of a position is: the model has no scale of force, only frequencies.
+const FORCES_TOLD: &str =
+    "A force is told as the deflection of the joint that it causes: the force over the stiffness.";
+
+/// Whether a quantity is a force that is told in the unit of a position.
+fn is_deflection(quantity: Quantity, unit: &str) -> bool {
+    quantity == Quantity::FORCE && matches!(unit, "rad" | "m")
+}
 
 /// Size below which a number is shown in parts per million.
 const PER_MILLION: f64 = 1e-3;
@@ -91,6 +100,25 @@ impl Case<'_> {
     /// A parameter of a finding in words.
     pub(crate) fn parameter(&self, finding: &Finding, name: &str) -> String {
         self.parameter_of(&finding.effect, name)
+    }
+
+    /// A sentence if forces of the findings are told as deflections: where their unit is that of a position.
+    pub(crate) fn forces_told(&self) -> Option<&'static str> {
+        let findings = self.diagnosis.findings.iter();
+        let mut parameters = findings.flat_map(|own| numbers(own).iter().map(move |p| (own, p)));
+        let told = parameters.any(|(own, p)| {
+            let known = self.catalogue.effect(&own.effect);
+            let mut known = known.into_iter().flat_map(|effect| effect.parameters);
+            known.any(|known| known.name == p.name && is_deflection(known.quantity, &p.unit))
+        });
+        told.then_some(FORCES_TOLD)
+    }
+
+    /// The same for the law of a finding.
+    pub(crate) fn force_of_law_told(&self, finding: &Finding) -> Option<&'static str> {
+        let slot = self.catalogue.effect(&finding.effect)?.slot()?;
+        let unit = &finding.curve.as_ref()?.unit;
+        is_deflection(slot.quantities()[1], unit).then_some(FORCES_TOLD)
     }
 
     /// A parameter of an effect in words.

@@ -56,9 +56,9 @@ fn percent_header(table: Table, unit: &str) -> Table {
 fn figures(comparison: &Comparison) -> Table {
     let table = Table::new("Residual vibration by frequency error")
         .text_column("shaper")
-        .column("95 %", "% of unshaped")
+        .column("95 % bound", "% of unshaped")
         .column("delay", "s")
-        .column("insensitivity", "")
+        .column("insensitivity", "of the frequency")
         .column("gain", "");
     let mut table = percent_header(table, "% of unshaped");
     for (shaper, design) in comparison.designs() {
@@ -84,7 +84,7 @@ fn figures(comparison: &Comparison) -> Table {
     table.note(
         "Amplitude after the shaped command over the amplitude after the unshaped one, each at its \
          own end. The head of a column says how far the machine's frequency is from the believed one. \
-         95 %: the vibration is below this with 95 % probability, for the given uncertainty of the modes. Insensitivity: width \
+         95 % bound: the vibration is below this with 95 % probability, for the given uncertainty of the modes. Insensitivity: width \
          of the band of frequencies with at most 5 %, over the frequency. Gain: sum of the amplitudes' absolute values; \
          above 1, velocity and acceleration can exceed the command's.",
     )
@@ -122,7 +122,7 @@ fn curves(comparison: &Comparison) -> Chart {
         "residual vibration",
         "% of unshaped",
     )
-    .level(5.0, "5 %");
+    .level(100.0 * comparison.wish.acceptable, "acceptable");
     for (shaper, design) in comparison.designs() {
         let left = errors(comparison.spread).map(|error| 100.0 * design.residual(error));
         chart = chart.series(shaper.name(), &error, &left.collect::<Vec<_>>());

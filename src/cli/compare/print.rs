@@ -16,7 +16,16 @@ pub fn text(comparison: &Comparison) -> String {
     let [e1, e2, e3, e4, e5] = ERRORS.map(percent_label);
     let first = format!("V at {e1}");
     let header = [
-        "shaper", "delay_s", "I(5 %)", &first, &e2, &e3, &e4, &e5, "V 95 %", "gain",
+        "shaper",
+        "delay_s",
+        "insensitivity",
+        &first,
+        &e2,
+        &e3,
+        &e4,
+        &e5,
+        "V 95 %",
+        "gain",
     ];
     let unshaped = ["unshaped", "0", "-", "1", "1", "1", "1", "1", "1", "1"].map(str::to_owned);
     let rows = comparison.candidates.iter().map(|one| row(comparison, one));

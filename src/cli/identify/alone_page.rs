@@ -173,7 +173,7 @@ fn responses(one: &Alone, axis: &Tuned) -> Chart {
             false => chart.series(name, &hertz, &left),
         };
     }
-    chart.level(alone::ACCEPTABLE, "5 %")
+    chart.level(alone::ACCEPTABLE, "acceptable")
 }
 
 fn shapers(axis: &Tuned) -> Table {

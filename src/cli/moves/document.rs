@@ -162,7 +162,7 @@ pub fn text(scenario: &Scenario, comparison: &Comparison) -> String {
             "residual_mm",
             "of_unshaped",
             "whole_move_mm",
-            "of_unshaped",
+            "whole_of_unshaped",
             "settling_s",
             "delay_s",
             "final_error_rad",
@@ -172,11 +172,19 @@ pub fn text(scenario: &Scenario, comparison: &Comparison) -> String {
             .map(|(kind, trace)| row(comparison, kind, trace)),
     );
     format!(
-        "{}\n\n{table}\n{}\n{}",
+        "{}\n\n{table}\n{}{}",
         headline(scenario),
         learned(comparison),
-        remarks(scenario, comparison)
+        apart(remarks(scenario, comparison))
     )
+}
+
+/// A paragraph of its own; nothing where there are no lines.
+fn apart(lines: String) -> String {
+    match lines.is_empty() {
+        true => lines,
+        false => format!("\n{lines}"),
+    }
 }
 
 /// A headline: the moved joint, and its believed mode.

@@ -193,7 +193,7 @@ fn left_over(comparison: &Comparison) -> Chart {
 }
 
 fn deformations(comparison: &Comparison, title: &str) -> Chart {
-    let mut chart = Chart::lines(title, "time", "s", "at the tip", "mm");
+    let mut chart = Chart::lines(title, "time", "s", "deformation at the tip", "mm");
     for (kind, trace) in comparison.moves() {
         let sign = if kind == MoveKind::AdaptiveNext {
             -1.0

@@ -117,10 +117,14 @@ fn values(channel: &Channel, (column, values): (&ColumnHealth, &[f64])) -> Vec<S
     remarks
 }
 
+/// A value without what the conversion of its unit left behind the digits that anybody reads.
+fn six_digits(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
 /// A clause on a clipped sensor: its limit, and how many samples are at it.
 pub fn at_limit(clipped: &Clipped, unit: &str) -> String {
-    // Six digits behind the point, as tables have: a conversion of units leaves the sixteenth uneven.
-    let limit = (clipped.limit * 1e6).round() / 1e6;
+    let limit = six_digits(clipped.limit);
     let gravity = Unit::from_name("g").filter(|g| g.si == unit);
     let gravities = gravity.map(|g| format!(" ({:.2} g)", clipped.limit / g.to_si(1.0)));
     format!(
@@ -151,11 +155,11 @@ fn flats(channel: &Channel, column: &ColumnHealth, remarks: &mut Vec<String>) {
             .max_by_key(|flat| flat.samples)
         {
             remarks.push(format!(
-                "{words} {count} time(s), longest {} samples from {} to {} s at {:.6e} {unit}",
+                "{words} {count} time(s), longest {} samples from {} to {} s at {} {unit}",
                 flat.samples,
                 plain(flat.from),
                 plain(flat.until),
-                flat.value
+                plain(six_digits(flat.value))
             ));
         }
     }
