@@ -20,7 +20,7 @@ pub struct Told {
     pub verdict: Verdict,
     /// Its answer in a sentence.
     pub summary: String,
-    /// Titles of the physics that is missing.
+    /// Titles of the physics that is missing; what is in doubt says so.
     pub missing: Vec<String>,
     /// The misfit of the model as given, with its parameters refitted, over the noise; NaN if it is not known.
     pub before: f64,
@@ -31,10 +31,13 @@ pub struct Told {
 impl Told {
     /// The short form of a diagnosis.
     pub fn of(diagnosis: &Diagnosis) -> Self {
-        let titles = diagnosis
-            .findings
-            .iter()
-            .map(|own| own.title(Catalogue::default()));
+        let titles = diagnosis.findings.iter().map(|own| {
+            let title = own.title(Catalogue::default());
+            match own.is_certain() {
+                true => title,
+                false => format!("perhaps {title}"),
+            }
+        });
         Self {
             verdict: diagnosis.verdict,
             summary: diagnosis.summary.clone(),

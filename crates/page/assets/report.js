@@ -240,14 +240,14 @@
 
   function uplotSeries(chart) {
     const made = [{ label: chart.x.name, value: measured(chart.x) }], bands = [];
-    const several = chart.series.filter((s) => s.kind !== "band").length > 1;
+    const several = chart.series.filter((s) => !["band", "points"].includes(s.kind)).length > 1;
     for (const s of chart.series) {
       const one = {
         label: s.name, stroke: () => stroke(s), width: 1.75, value: measured(chart.y),
         dash: several ? DASHES[s.dash] : DASHES[0], points: { show: false },
       };
       if (s.kind === "broad") Object.assign(one, { width: 6, stroke: () => stroke(s) + "90" });
-      if (s.kind === "points") Object.assign(one, { paths: () => null, points: { show: true, size: s.x.length > 400 ? 3 : 6, fill: stroke(s) } });
+      if (s.kind === "points") Object.assign(one, { paths: () => null, points: { show: true, size: s.x.length > 400 ? 3 : 6, width: 0, fill: stroke(s) + "a0" } });
       if (chart.kind === "stems") one.paths = () => null;
       if (!["points", "band"].includes(s.kind) && chart.kind !== "stems") one.class = "line";
       if (s.kind === "band") {

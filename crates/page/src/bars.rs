@@ -103,6 +103,12 @@ impl Bars {
         }
     }
 
+    /// The colour of a bar's owner. Categories have colours where all of them do: one alone would look like a message.
+    fn owned(&self, owner: &str, colour: &dyn Fn(&str) -> Option<usize>) -> Option<usize> {
+        let all = || self.categories.iter().all(|name| colour(name).is_some());
+        colour(owner).filter(|_| self.series.len() > 1 || all())
+    }
+
     fn row(&self, category: usize, colour: &dyn Fn(&str) -> Option<usize>) -> Markup {
         let name = &self.categories[category];
         let marked = self.marked.contains(&category);
@@ -110,7 +116,9 @@ impl Bars {
         let bar = |(series, values): &(String, Vec<f64>)| {
             let value = values.get(category).copied().unwrap_or(f64::NAN);
             let owner = if self.series.len() > 1 { series } else { name };
-            let colour = colour(owner).map_or(plain.into(), |slot| format!("c{}", slot % COLOURS));
+            let colour = self
+                .owned(owner, colour)
+                .map_or(plain.into(), |slot| format!("c{}", slot % COLOURS));
             let style = format!(
                 "width:{:.2}%;background:var(--{colour})",
                 self.percent(value)

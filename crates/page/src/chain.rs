@@ -2,8 +2,8 @@
 
 use maud::{Markup, html};
 
-/// Boxes from left to right with arrows between them, some of them marked; boxes beside the row have
-/// no arrow.
+/// Boxes from left to right with arrows between them, some of them marked; boxes beside the row come
+/// after it and have no arrow.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chain {
     title: String,
@@ -69,7 +69,11 @@ impl Chain {
         html! {
             figure.chart style="margin-inline:0" {
                 figcaption { (self.title) }
-                ol.chain { @for station in &self.stations { (station.render()) } }
+                ol.chain {
+                    @for beside in [false, true] {
+                        @for station in self.stations.iter().filter(|station| station.beside == beside) { (station.render()) }
+                    }
+                }
             }
         }
     }

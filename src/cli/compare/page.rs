@@ -49,18 +49,18 @@ fn percent(share: f64) -> f64 {
 
 fn percent_header(table: Table, unit: &str) -> Table {
     ERRORS.iter().fold(table, |table, error| {
-        table.column(percent_label(*error), unit)
+        table.column(format!("frequency {}", percent_label(*error)), unit)
     })
 }
 
 fn figures(comparison: &Comparison) -> Table {
-    let table = Table::new("Residual vibration by frequency error")
+    let table = Table::new("Residual vibration, in percent of the unshaped, by frequency error")
         .text_column("shaper")
-        .column("95 % bound", "% of unshaped")
+        .column("95 % bound", "%")
         .column("delay", "s")
-        .column("insensitivity", "of the frequency")
+        .column("insensitivity", "")
         .column("gain", "");
-    let mut table = percent_header(table, "% of unshaped");
+    let mut table = percent_header(table, "%");
     for (shaper, design) in comparison.designs() {
         let mut cells: Vec<Cell> = vec![
             shaper.name().into(),

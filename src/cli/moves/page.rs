@@ -123,9 +123,9 @@ fn table(comparison: &Comparison) -> Table {
     let mut table = Table::new("The moves")
         .text_column("move")
         .column("residual", "mm")
-        .column("of unshaped", "%")
+        .column("residual", "% of unshaped")
         .column("whole move", "mm")
-        .column("of unshaped", "%")
+        .column("whole move", "% of unshaped")
         .column("settling", "s")
         .column("added delay", "s")
         .column("final error", "rad");

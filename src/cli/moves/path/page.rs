@@ -84,7 +84,7 @@ fn table(scenario: &PathScenario, comparison: &PathComparison) -> Table {
         .column("off the path", "deg")
         .column("links off the path", "deg")
         .column("residual", "mm")
-        .column("of unshaped", "%")
+        .column("residual", "% of unshaped")
         .column("settling", "s")
         .column("added delay", "s");
     for (kind, trace) in &comparison.moves {
