@@ -57,11 +57,8 @@ fn no_two_shapers_share_a_colour() {
     let page = page(folder.path(), "compare", "compare.html");
     let table = page.split("<table").nth(1).unwrap();
     let table = table.split("</table").next().unwrap();
-    let colours: Vec<&str> = table.split("background:var(").skip(1).collect();
-    let colours: Vec<&str> = colours
-        .iter()
-        .map(|rest| rest.split(')').next().unwrap())
-        .collect();
+    let lines = table.split("border-top:.15rem ").skip(1);
+    let colours: Vec<&str> = lines.map(|rest| rest.split(')').next().unwrap()).collect();
     assert_eq!(colours.len(), quell::shapers::SHAPERS.len());
     assert_eq!(
         colours.iter().collect::<BTreeSet<_>>().len(),

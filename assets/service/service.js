@@ -197,11 +197,11 @@ function showHealth(now) {
 // --- drawing ---
 
 const charts = {
-  position: new Live($("position"), [{ name: "planned", colour: "c4", width: 5, alpha: 0.5 }, { name: "command", colour: "c0" }, { name: "measured (motor)", colour: "c1", width: 1 }], { least: 2 }),
+  position: new Live($("position"), [{ name: "planned", colour: "c2", width: 5, alpha: 0.5 }, { name: "command", colour: "c0" }, { name: "measured (motor)", colour: "c1", width: 1 }], { least: 2 }),
   deformation: new Live($("deformation"), [{ name: "link minus motor", colour: "c2" }], { least: 0.2 }),
-  estimate: new Live($("estimate"), [{ name: "estimate", colour: "c3" }, { name: "high" }, { name: "low" }], {
+  estimate: new Live($("estimate"), [{ name: "estimate", colour: "c0" }, { name: "high" }, { name: "low" }], {
     least: 0.5,
-    bands: [[2, 3, "c3"]],
+    bands: [[2, 3, "c0"]],
     level: () => state?.joints[joint]?.true_mode?.frequency_hz ?? null,
     levelName: "truth, where the arm is simulated",
   }),
