@@ -49,7 +49,7 @@ fn percent(share: f64) -> f64 {
 
 fn percent_header(table: Table, unit: &str) -> Table {
     ERRORS.iter().fold(table, |table, error| {
-        table.column(format!("frequency {}", percent_label(*error)), unit)
+        table.column(format!("at {}", percent_label(*error)), unit)
     })
 }
 
