@@ -77,19 +77,24 @@ impl Problem<'_> {
 
     /// Starting point: the model's values, and first guesses of the clocks.
     pub fn start(&self, model: &Model) -> Point {
-        let local = |experiment: &Experiment| Local {
-            clocks: experiment.outputs.iter().map(|o| o.clock_offset).collect(),
-            departures: vec![Departure::default(); 1 + experiment.windows.len()],
-        };
         let terms = model.terms();
         Point {
             keys: model.keys(),
             given_terms: terms.len(),
             terms,
-            locals: self.experiments.iter().map(local).collect(),
+            locals: self.neutral_locals(),
             inertias: vec![1.0; self.payloads.len()],
             held: Vec::new(),
         }
+    }
+
+    /// The unknowns of each experiment before any fit.
+    pub fn neutral_locals(&self) -> Vec<Local> {
+        let local = |experiment: &Experiment| Local {
+            clocks: experiment.outputs.iter().map(|o| o.clock_offset).collect(),
+            departures: vec![Departure::default(); 1 + experiment.windows.len()],
+        };
+        self.experiments.iter().map(local).collect()
     }
 
     /// The shared unknowns at a point's structure.
