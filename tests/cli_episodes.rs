@@ -137,8 +137,12 @@ fn linked([hertz, damping]: [f64; 2], link: Option<[f64; 2]>) -> Vec<[f64; 3]> {
     rows
 }
 
-/// What `quell identify` says of two columns of such a recording: the document, the text, and the model.
-fn identified(columns: [&str; 2], rows: impl Iterator<Item = [f64; 2]>) -> [String; 3] {
+/// What `quell identify` says of two columns of such a recording: the document, the text, and the model; the error where it
+/// refuses it.
+fn identified(
+    columns: [&str; 2],
+    rows: impl Iterator<Item = [f64; 2]>,
+) -> Result<[String; 3], String> {
     let folder = TempDir::new().unwrap();
     let mut text = format!("time_s,{},{}\n", columns[0], columns[1]);
     for (k, [first, second]) in rows.enumerate() {
@@ -147,15 +151,18 @@ fn identified(columns: [&str; 2], rows: impl Iterator<Item = [f64; 2]>) -> [Stri
     std::fs::write(folder.path().join("run.csv"), text).unwrap();
     let run = |more: &[&str]| {
         let told = quell(folder.path(), &[&["identify", "run.csv"], more].concat());
-        String::from_utf8(told.stdout).unwrap()
+        match told.status.success() {
+            true => Ok(String::from_utf8(told.stdout).unwrap()),
+            false => Err(String::from_utf8(told.stderr).unwrap()),
+        }
     };
-    let [document, text] = [run(&["--json"]), run(&[])];
+    let [document, text] = [run(&["--json"])?, run(&[])?];
     let model = std::fs::read_to_string(folder.path().join("out/model.toml")).unwrap();
-    [document, text, model]
+    Ok([document, text, model])
 }
 
-/// The response of a servo is no mode of the structure. With the command as the motor side that is told where the mode
-/// stands, with the frequencies that 30 samples a second show.
+/// The response of a servo is no mode of the structure, and gets no shaper. With the command as the motor side that is told
+/// where the mode stands, with the frequencies that 30 samples a second show.
 #[test]
 fn a_servo_that_follows_its_command_is_not_taken_for_a_mode_of_the_arm() {
     let json = |text: &str| -> serde_json::Value { serde_json::from_str(text).unwrap() };
@@ -167,22 +174,24 @@ fn a_servo_that_follows_its_command_is_not_taken_for_a_mode_of_the_arm() {
         ([3.0, 0.7], Some([5.0, 0.02]), true),
     ] {
         let rows = linked(servo, link);
-        let [document, text, model] = identified(columns, rows.iter().map(|row| [row[0], row[2]]));
+        let told = identified(columns, rows.iter().map(|row| [row[0], row[2]]));
+        let [document, text, model] = match told {
+            Ok(told) => told,
+            Err(error) => {
+                // Of a link behind a servo that does not ring, this may be all that 12 bits show.
+                assert!(!rings || link.is_some(), "{error}");
+                assert!(
+                    error.contains("how the servo follows its command"),
+                    "{error}"
+                );
+                continue;
+            }
+        };
+        assert!(rings || link.is_some(), "{text}");
         let document = json(&document);
         let best = &document["recommended"];
         assert_eq!(best["includes_servo"], true, "{best}");
-        let words = match rings && best["may_be_resonance"] == true {
-            true => "This is a mode of servo and link together",
-            false => "This is how the servo follows its command, and no mode of the structure",
-        };
-        assert_eq!(
-            best["may_be_resonance"] == false,
-            words.contains("no mode"),
-            "{best}"
-        );
-        if link.is_none() {
-            assert_eq!(best["may_be_resonance"], rings, "{servo:?} {best}");
-        }
+        let words = "This is a mode of servo and link together";
         let at = text.find("Recommended: ").unwrap();
         assert!(text[at..].contains(words), "{text}");
         assert!(model.contains(words), "{model}");
@@ -195,10 +204,10 @@ fn a_servo_that_follows_its_command_is_not_taken_for_a_mode_of_the_arm() {
     // With the motor side's own sensor the servo is no part of the mode.
     let rows = linked([3.0, 0.7], Some([4.0, 0.03]));
     let columns = ["motor_position_rad", "link_position_rad"];
-    let [document, text, model] = identified(columns, rows.iter().map(|row| [row[1], row[2]]));
+    let told = identified(columns, rows.iter().map(|row| [row[1], row[2]]));
+    let [document, text, model] = told.unwrap();
     let best = &json(&document)["recommended"];
     assert_eq!(best["includes_servo"], false, "{best}");
-    assert_eq!(best["may_be_resonance"], true, "{best}");
     assert!(!(text + &model).contains("servo"), "{best}");
     let mode = &json(&document)["mode"];
     assert!(

@@ -57,6 +57,7 @@ fn found(path: &Path, model: Option<&NominalModel>) -> Identification {
     let prior = Prior {
         belief: model.map(|model| model.mode),
         scale_is_open: series.scale_is_open,
+        rounding: 0.0,
     };
     identify(&series.samples, prior).expect("a vibration")
 }
@@ -222,6 +223,7 @@ fn val_simulated_moves() {
                 Prior {
                     belief,
                     scale_is_open: false,
+                    rounding: 0.0,
                 },
             );
             let found = found.expect("a vibration");

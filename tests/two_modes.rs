@@ -280,6 +280,7 @@ fn val_the_share_of_the_second_mode_is_told() {
             Prior {
                 belief,
                 scale_is_open,
+                rounding: 0.0,
             },
         );
         let best = found.expect("a vibration").recommended().expect("a mode");
@@ -300,6 +301,7 @@ fn val_identification_tells_the_second_mode() {
     let prior = Prior {
         belief: Some(belief),
         scale_is_open: false,
+        rounding: 0.0,
     };
     let found = identify(&samples, prior).expect("a vibration");
     let (first, second) = found.two_modes().expect("two modes");

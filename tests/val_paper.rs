@@ -49,6 +49,7 @@ fn free_decay(seed: u64) -> Run {
     let prior = Prior {
         belief: Some(model.mode),
         scale_is_open: series.scale_is_open,
+        rounding: 0.0,
     };
     let mut found = identify(&series.samples, prior).unwrap();
     let best = found.best_decay.expect("the arm rings out");

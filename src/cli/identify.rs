@@ -180,7 +180,8 @@ impl Findings {
         let tip = recording.channel(Role::TipPosition);
         let again = tip.is_some().then(|| recording.clone());
         let series = prepare(recording, model, registration)?;
-        let found = identify_until(&series.samples, prior(model, &series), stop)?;
+        let found = identify_until(&series.samples, prior(model, &series), stop);
+        let found = found.map_err(|error| error.of_servo(series.includes_servo()))?;
         let registered = again.map_or_else(Vec::new, |recording| {
             registrations::all(&recording, model, registration, (&series, &found))
         });
@@ -197,6 +198,7 @@ fn prior(model: Option<&NominalModel>, series: &Series) -> Prior {
     Prior {
         belief: model.map(|model| model.mode),
         scale_is_open: series.scale_is_open,
+        rounding: series.rounding,
     }
 }
 

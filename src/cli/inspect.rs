@@ -12,7 +12,7 @@ use crate::recording::health::{Health, health, remarks};
 use crate::recording::{
     Channel, MANIFEST, McapFile, Recording, is_csv, mcap_and_joint, plain as short,
 };
-use crate::signal::{Direction, StaticRatio};
+use crate::signal::{Direction, Hangs, StaticRatio};
 use document::document;
 use joints::Joints;
 use serde_json::{Value, json};
@@ -256,10 +256,15 @@ fn column_names(channel: &Channel) -> Vec<String> {
 
 /// Remarks on what the channels contradict each other in.
 fn together(recording: &Recording) -> Vec<String> {
+    let all = overlap(recording).into_iter();
+    // What a sensor shows that hangs says nothing of ratio and direction.
+    let hangs = Hangs::of(recording);
+    let told = hangs.as_ref().map(Hangs::contradiction);
+    let moving = hangs.map(|hangs| recording.within(hangs.intact(recording)));
+    let recording = moving.as_ref().unwrap_or(recording);
     let ratio = StaticRatio::of(recording).and_then(|ratio| ratio.contradiction());
     let direction = Direction::of(recording).and_then(|own| own.contradiction());
-    let all = overlap(recording).into_iter();
-    all.chain(ratio).chain(direction).collect()
+    all.chain(told).chain(ratio).chain(direction).collect()
 }
 
 /// A remark if the channels have no time in common.

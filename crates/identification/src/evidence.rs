@@ -1,7 +1,7 @@
 //! Whether a batch fit shows a mode, or only what noise and drift could produce as well.
 
 use super::IdentificationError;
-use super::follows::Follows;
+use super::follows::{Follows, Lags};
 use quell_control::estimators::Sample;
 use quell_control::estimators::offline::BatchFit;
 
@@ -10,6 +10,8 @@ const MODE: f64 = 2.0;
 const START: f64 = 2.0;
 /// Most lags over which a correlation is summed.
 const LAGS: usize = 1000;
+/// Half a step more than the two of two equal sensors: the nearest number of steps is still two.
+const STEPS: f64 = 1.25;
 /// Difference of the Bayesian information criterion that is very strong evidence (Kass and Raftery, J. American
 /// Statistical Association 90 (1995)).
 const STRONG: f64 = 10.0;
@@ -35,6 +37,36 @@ impl Evidence {
             let follows = Follows::of(samples).residual;
             none.by(fit, follows, independent(&fit.residual))
         })
+    }
+
+    /// Refuses a mode that the sensors' rounding, which spans a range of `rounding`, or a lag of first order explain as well.
+    ///
+    /// The reading of a rounded position is off by half a step, at most. So a rigid joint makes a deformation that spans
+    /// less than a step of each sensor, to the nearest step: what it spans has the form of the move, and fits many a mode.
+    ///
+    /// # Errors
+    /// [`IdentificationError::Rounded`] and [`IdentificationError::Lags`].
+    pub fn no_artefact(
+        self,
+        samples: &[Sample],
+        fit: &BatchFit,
+        rounding: f64,
+    ) -> Result<(), IdentificationError> {
+        let range = Follows::of(samples).range;
+        if range <= rounding * STEPS {
+            return Err(IdentificationError::Rounded { range, rounding });
+        }
+        let lags = Lags::of(samples);
+        match self
+            .by(fit, lags.residual, independent(&fit.residual))
+            .tells()
+        {
+            true => Ok(()),
+            false => Err(IdentificationError::Lags {
+                time_constant: lags.time_constant,
+                of_servo: false,
+            }),
+        }
     }
 
     /// The evidence of a fit of a free decay. All samples count: no drift has evenly spaced extrema.

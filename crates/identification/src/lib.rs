@@ -51,6 +51,8 @@ pub struct Prior {
     /// Whether the deformation's scale is unknown: it is measured by a sensor of its own (strain gauge) rather
     /// than as a difference of positions.
     pub scale_is_open: bool,
+    /// Range of the deformation that the rounding of the sensors alone makes ([`Series::rounding`]).
+    pub rounding: f64,
 }
 
 /// The mode in a recording.
@@ -124,7 +126,8 @@ impl Identification {
 /// Identifies the mode of an aligned series.
 ///
 /// # Errors
-/// [`IdentificationError`] where there are fewer than 32 samples, nothing varies, or no mode stands out of the noise.
+/// [`IdentificationError`] where there are fewer than 32 samples, nothing varies, no mode stands out of the noise, or what does
+/// is no resonance.
 pub fn identify(samples: &[Sample], prior: Prior) -> Result<Identification, IdentificationError> {
     identify_until(samples, prior, &stop::never)
 }
@@ -169,14 +172,18 @@ pub fn identify_until(
     check(stop)?;
     let best_decay = strongest(&free_decays);
     if best_decay.is_none() {
-        Evidence::of_all(fitted, fit.as_ref(), settings.memory).strong()?;
+        let evidence = Evidence::of_all(fitted, fit.as_ref(), settings.memory);
+        evidence.strong()?;
+        if let Some(fit) = &fit {
+            evidence.no_artefact(fitted, fit, prior.rounding)?;
+        }
     }
     let best = best_decay.map(|k| &free_decays[k]);
     let amplitude_dependence = best.and_then(|run| amplitude::dependence(samples, run));
     let explained = fit
         .as_ref()
         .map_or(0.0, |fit| 1.0 - explained_not(fitted, fit));
-    Ok(Identification {
+    let found = Identification {
         whole: Run::whole(
             samples,
             part,
@@ -192,7 +199,9 @@ pub fn identify_until(
         rests: rests.len(),
         rests_looked_at: looked_at.len(),
         searched,
-    })
+    };
+    found.vibrates()?;
+    Ok(found)
 }
 
 /// The runs of all free decays, and whether the known input holds. If it does, the settling of the motor side

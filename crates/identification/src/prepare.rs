@@ -4,11 +4,13 @@ use core::f64::consts::{PI, TAU};
 
 use super::motor_side;
 use super::nominal_model::NominalModel;
+use super::response::NO_RESONANCE;
 use quell_control::estimators::Sample;
 use quell_model::unify_gain;
+use quell_recording::health::quantum;
 use quell_recording::{Recording, Role, plain};
 use quell_signal::{
-    ArcRegistration, Direction, JointArc, SignalError, StaticRatio, TipRegistration,
+    ArcRegistration, Direction, Hangs, JointArc, SignalError, StaticRatio, TipRegistration,
     recorded_deformation,
 };
 
@@ -70,6 +72,66 @@ pub enum IdentificationError {
         /// Number of samples.
         samples: usize,
     },
+    /// A deformation that is no more than the rounding of its sensors.
+    #[error(
+        "no mode was found: the deformation spans {range:.2e} beside the motor side's motion, and the rounding of the sensors \
+         makes up to {rounding:.2e} of a rigid joint; any mode is below what their steps show; record a faster move that makes \
+         the link ring, or with a finer sensor of the link"
+    )]
+    Rounded {
+        /// What the deformation spans, in its unit.
+        range: f64,
+        /// What rounding makes.
+        rounding: f64,
+    },
+    /// A lag of first order explains the recording as well as a mode.
+    #[error(
+        "no mode was found: the link follows the motor side with a lag of first order, its time constant is \
+         {:.3} s, and nothing rings: that is {}",
+        .time_constant,
+        match .of_servo {
+            true => "how the servo follows its command, and no shaper is of use for it; record motor_position, too",
+            false => "the filter of a sensor, or a damper, and no shaper is of use for it; if the machine does vibrate, record \
+                      without the filter, or with an accelerometer at the tip",
+        }
+    )]
+    Lags {
+        /// Time constant, s.
+        time_constant: f64,
+        /// Whether a servo is part of the response.
+        of_servo: bool,
+    },
+    /// A response that does not ring.
+    #[error(
+        "no mode was found that rings: the best fit, at {hertz:.2} Hz, has a damping ratio of at least {least_damping:.3} (95 % \
+         interval), and from {NO_RESONANCE:.3} on a response has no half-power bandwidth, so that it is no resonance: no shaper is \
+         of use for it; {}",
+        match .of_servo {
+            true => "this is how the servo follows its command; record motor_position, too",
+            false => "if the machine does vibrate, record a faster move and the rest after it, or an accelerometer at the tip",
+        }
+    )]
+    NoResonance {
+        /// Frequency of the fit, Hz.
+        hertz: f64,
+        /// Lower end of the 95 % interval of the damping ratio.
+        least_damping: f64,
+        /// Whether a servo is part of the response.
+        of_servo: bool,
+    },
+    /// A mode outside of the frequencies that were searched.
+    #[error(
+        "no mode was found from {:.3} to {:.1} Hz, which this recording can show: the best fit ends at {hertz:.3} Hz; record for \
+         longer for a slower mode, and with more samples a second for a faster one",
+        .searched[0],
+        .searched[1]
+    )]
+    OutOfRange {
+        /// Frequency of the fit, Hz.
+        hertz: f64,
+        /// Lowest and highest frequency that were searched, Hz.
+        searched: [f64; 2],
+    },
     /// The strongest line of the spectrum is no resonance.
     #[error(
         "no mode was found: the peaks of the spectrum do not have the width of a resonance; a turning motor makes such \
@@ -82,6 +144,17 @@ pub enum IdentificationError {
     /// What is measured of the link does not vary.
     #[error("nothing that is measured of the link varies: nothing vibrates in this recording")]
     Still,
+}
+
+impl IdentificationError {
+    /// The error of a recording in which a servo is part of the response, or is not.
+    #[must_use]
+    pub fn of_servo(mut self, is_one: bool) -> Self {
+        if let Self::Lags { of_servo, .. } | Self::NoResonance { of_servo, .. } = &mut self {
+            *of_servo = is_one;
+        }
+        self
+    }
 }
 
 /// An aligned series, and how it was obtained.
@@ -99,11 +172,16 @@ pub struct Series {
     /// What tells the motor side's motion: its position, or its velocity or its command where the recording has no
     /// position.
     pub motor_side: Role,
+    /// Stretches that are left out, as a sensor hung in them.
+    pub hangs: Option<Hangs>,
+    /// Range that the rounding of the sensors alone gives the deformation of a rigid joint, in its unit: a step of each
+    /// sensor that it is made of. 0 where no steps are seen.
+    pub rounding: f64,
 }
 
 /// Aligns a recording, which is consumed: a velocity of the motor side is integrated, or its command taken for its
 /// position, where it has no position; angles are unwrapped, a tip sensor is registered with the model's
-/// lever arm, in the requested way.
+/// lever arm, in the requested way. Where a sensor hangs ([`Hangs`]), the longest stretch without that is used.
 ///
 /// # Errors
 /// [`IdentificationError::Signal`].
@@ -112,6 +190,10 @@ pub fn prepare(
     model: Option<&NominalModel>,
     registration: TipRegistration,
 ) -> Result<Series, IdentificationError> {
+    let hangs = Hangs::of(&recording);
+    if let Some(hangs) = &hangs {
+        recording = recording.within(hangs.intact(&recording));
+    }
     let ratio = StaticRatio::of(&recording).and_then(|own| own.contradiction());
     let direction = || Direction::of(&recording)?.contradiction();
     if let Some(words) = ratio.or_else(direction) {
@@ -125,6 +207,7 @@ pub fn prepare(
         }
     }
     carries(&recording)?;
+    let rounding = rounding(&recording);
     // The remaining gain between raw counts is the static gain of the methods.
     let _ = unify_gain(&mut recording);
     let lever_arm = model.and_then(|model| model.lever_arm);
@@ -150,6 +233,8 @@ pub fn prepare(
         lever_arm,
         scale_is_open: recording.channel(Role::Deformation).is_some(),
         motor_side: motor_side.unwrap_or(Role::MotorPosition),
+        hangs,
+        rounding,
     })
 }
 
@@ -182,6 +267,21 @@ fn carries(recording: &Recording) -> Result<(), IdentificationError> {
             by: motor.travel(),
         },
     })
+}
+
+/// The step of a deformation sensor, or the sum of those of two positions.
+fn rounding(recording: &Recording) -> f64 {
+    let step = |role| {
+        let channel = recording.channel(role)?;
+        channel.columns.first().and_then(|column| quantum(column))
+    };
+    match recording.channel(Role::Deformation) {
+        Some(_) => step(Role::Deformation).unwrap_or(0.0),
+        None => {
+            let both = [Role::MotorPosition, Role::LinkPosition].map(step);
+            both.into_iter().flatten().sum()
+        }
+    }
 }
 
 /// Removes whole turns from an angle that jumps by more than half a turn between samples.

@@ -1,8 +1,9 @@
 //! What a found mode can be: a resonance or not, of the link alone or of servo and link; and which frequencies were
 //! looked at.
 
-use super::{Identification, Recommended, Series};
+use super::{Identification, IdentificationError, Recommended, Series};
 use quell_recording::Role;
+use quell_shapers::UncertainMode;
 
 /// Damping ratio from which the response of second order has no half-power bandwidth, `sin(pi/8)`: its peak,
 /// `1 / (2 xi sqrt(1 - xi^2))`, is then lower than `sqrt(2)` times the response at rest.
@@ -31,6 +32,35 @@ impl Recommended {
     /// Whether the response may be a resonance: the 95 % interval of its damping ratio begins below [`NO_RESONANCE`].
     pub fn may_be_resonance(&self) -> bool {
         self.least_damping() < NO_RESONANCE
+    }
+}
+
+impl Identification {
+    /// Refuses a recommended mode for which a shaper is of no use: outside of what was searched, or no resonance.
+    ///
+    /// # Errors
+    /// [`IdentificationError::OutOfRange`] and [`IdentificationError::NoResonance`].
+    pub(super) fn vibrates(&self) -> Result<(), IdentificationError> {
+        let Some(best) = self.recommended() else {
+            return Ok(());
+        };
+        let hertz = |omega: f64| omega / core::f64::consts::TAU;
+        let Searched { from, to, .. } = self.searched;
+        let is_outside = |own: &UncertainMode| !(from..=to).contains(&own.mode.natural_frequency());
+        if let Some(own) = best.modes().find(is_outside) {
+            return Err(IdentificationError::OutOfRange {
+                hertz: own.mode.hertz(),
+                searched: [hertz(from), hertz(to)],
+            });
+        }
+        match best.may_be_resonance() {
+            true => Ok(()),
+            false => Err(IdentificationError::NoResonance {
+                hertz: best.mode.mode.hertz(),
+                least_damping: best.least_damping(),
+                of_servo: false,
+            }),
+        }
     }
 }
 

@@ -77,14 +77,14 @@ impl Direction {
 }
 
 /// Both positions at the stamps of the link.
-struct Series {
-    time: Vec<f64>,
-    motor: Vec<f64>,
-    link: Vec<f64>,
+pub(super) struct Series {
+    pub time: Vec<f64>,
+    pub motor: Vec<f64>,
+    pub link: Vec<f64>,
 }
 
 impl Series {
-    fn of(mut motor: Channel, mut link: Channel) -> Option<Self> {
+    pub fn of(mut motor: Channel, mut link: Channel) -> Option<Self> {
         for channel in [&mut motor, &mut link] {
             let within = |column: &Vec<f64>| range(column) <= core::f64::consts::TAU;
             if channel.unit == "rad" && channel.columns.iter().all(within) {

@@ -52,7 +52,6 @@ pub fn document(findings: &Findings) -> Value {
             "method": best.method,
             "modes": best.modes().map(mode).collect::<Vec<_>>(),
             "between_stretches": {"frequency_hz": best.between[0] / TAU, "damping_ratio": best.between[1]},
-            "may_be_resonance": best.may_be_resonance(),
             "includes_servo": findings.series.includes_servo(),
             "reason": words::recommended(findings, &best),
         })),

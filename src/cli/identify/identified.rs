@@ -96,7 +96,7 @@ impl Identified {
             Kind::Driven(findings) => {
                 let best = findings.found.recommended();
                 let text = |best| {
-                    let what = words::of_servo(findings, &best);
+                    let what = words::of_servo(findings);
                     model::of_driven(&findings.recording, &best, what)
                 };
                 vec![best.map(text)]

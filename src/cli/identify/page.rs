@@ -61,8 +61,7 @@ fn headline(page: Page, findings: &Findings, best: &Recommended) -> Page {
     let frequency = Figure::text("natural frequency", beside(hertz, hertz_std)).unit("Hz");
     let damping = beside(mode.damping_ratio(), damping_ratio_std);
     let damping = Figure::text("damping ratio", damping);
-    let verdict = match words::of_servo(findings, best) {
-        Some(_) if !best.may_be_resonance() => Verdict::Bad,
+    let verdict = match words::of_servo(findings) {
         Some(_) => Verdict::Plain,
         None => Verdict::Good,
     };

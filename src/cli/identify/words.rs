@@ -43,29 +43,24 @@ pub fn recommended(findings: &Findings, best: &Recommended) -> String {
         Why::TwoModes => "The likelihood ratio excludes one mode.".into(),
         Why::OffLine => "It is not certain: no on-line estimator gave a mode.".into(),
     };
-    let what = of_servo(findings, best).map_or(String::new(), |what| format!(" {what}"));
+    let what = of_servo(findings).map_or(String::new(), |what| format!(" {what}"));
     format!("{}, by {}.{what} {why}", modes.join(" and "), best.method)
 }
 
 /// A sentence on what the mode is where the command stands for the motor side.
-pub fn of_servo(findings: &Findings, best: &Recommended) -> Option<&'static str> {
-    let included = findings.series.includes_servo();
-    included.then(|| match best.may_be_resonance() {
-        true => {
-            "This is a mode of servo and link together, as the recording has no motor_position."
-        }
-        false => {
-            "This is how the servo follows its command, and no mode of the structure, which would ring."
-        }
-    })
+pub fn of_servo(findings: &Findings) -> Option<&'static str> {
+    findings.series.includes_servo().then_some(
+        "This is a mode of servo and link together, as the recording has no motor_position.",
+    )
 }
 
-/// A sentence on a damping ratio that no resonance has.
+/// A sentence on a damping ratio that may be that of no resonance.
 fn damped(best: &Recommended) -> Option<String> {
-    (!best.may_be_resonance()).then(|| {
+    let ratio = best.mode.mode.damping_ratio();
+    (ratio >= NO_RESONANCE).then(|| {
         format!(
-            "The damping ratio is at least {:.3} (95 % interval). From {NO_RESONANCE:.3} on a response has no half-power \
-             bandwidth, so that it is no resonance.",
+            "It is not certain that this rings: from a damping ratio of {NO_RESONANCE:.3} on a response has no half-power \
+             bandwidth, and the 95 % interval begins at {:.3}. Record a faster move, and the rest after it.",
             best.least_damping()
         )
     })
@@ -115,6 +110,14 @@ pub fn slow(hertz: f64) -> Option<String> {
 pub fn remarks(findings: &Findings) -> Vec<String> {
     let found = &findings.found;
     let mut remarks = Vec::from_iter(motor_side(findings.series.motor_side));
+    remarks.extend(findings.series.hangs.as_ref().map(|hangs| {
+        format!(
+            "{}. That is no motion, and is left out: what is told here is of {} to {} s alone.",
+            hangs.words(),
+            fixed(findings.found.whole.stretch.from, 3),
+            fixed(findings.found.whole.stretch.until, 3)
+        )
+    }));
     match (found.best_decay, found.known_input_holds) {
         (None, _) => remarks.push(format!(
             "The motor side never rests long enough for a free decay. With its motion as known \

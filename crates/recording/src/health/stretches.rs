@@ -16,6 +16,8 @@ pub struct Flat {
     pub value: f64,
     /// The meaning of the run.
     pub kind: FlatKind,
+    /// Whether it begins in full motion; one that begins a recording does not.
+    pub begins_in_motion: bool,
 }
 
 /// The meaning of a run of one value.
@@ -61,7 +63,8 @@ pub fn flats(time: &[f64], values: &[f64], quantum: f64) -> Vec<Flat> {
     };
     let flat = |run: Run| {
         let value = values[run.first];
-        let kind = match run.edges(&increments) {
+        let [before, after] = run.edges(&increments);
+        let kind = match before.max(after) {
             edge if edge <= abrupt => FlatKind::Rest,
             _ if value == minimum || value == maximum => FlatKind::Saturated,
             _ => FlatKind::Stuck,
@@ -73,6 +76,7 @@ pub fn flats(time: &[f64], values: &[f64], quantum: f64) -> Vec<Flat> {
             samples,
             value,
             kind,
+            begins_in_motion: before > abrupt,
         }
     };
     runs(values).into_iter().filter(is_long).map(flat).collect()
@@ -85,12 +89,12 @@ struct Run {
 }
 
 impl Run {
-    /// The greatest increment within two samples before and after the run. Two, since a clipping sensor
+    /// The greatest increments within two samples before and after the run. Two, since a clipping sensor
     /// shortens the one next to the run.
-    fn edges(&self, increments: &[f64]) -> f64 {
+    fn edges(&self, increments: &[f64]) -> [f64; 2] {
         let before = &increments[self.first.saturating_sub(2)..self.first];
         let after = &increments[self.last..increments.len().min(self.last + 2)];
-        before.iter().chain(after).copied().fold(0.0, f64::max)
+        [before, after].map(|own| own.iter().copied().fold(0.0, f64::max))
     }
 }
 
