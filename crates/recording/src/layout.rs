@@ -50,6 +50,22 @@ impl Layout {
         }
     }
 
+    /// Whether a cell is a number but for separators of thousands, as `1,234.5`, `1.234,5`, `1'234` and `1 234`.
+    pub(super) fn is_grouped(&self, cell: &str) -> bool {
+        let decimal = self.decimal.unwrap_or('.');
+        let is_mark =
+            |letter: char| ",.'\u{2019} \u{a0}\u{202f}".contains(letter) && letter != decimal;
+        let (whole, _) = cell.split_once(decimal).unwrap_or((cell, ""));
+        let whole = whole.trim_start_matches(['-', '+']);
+        let Some(mark) = whole.chars().find(|letter| is_mark(*letter)) else {
+            return false;
+        };
+        let mut groups = whole.split(mark);
+        let first = groups.next().map_or(0, str::len);
+        let parted = (1..=3).contains(&first) && groups.all(|group| group.len() == 3);
+        parted && self.number(&cell.replace(mark, "")).is_some()
+    }
+
     /// The line with the names, counted from 0, and whether it is a comment; `None` without a header.
     pub(super) fn header_line(&self, text: &str) -> Option<usize> {
         if self.header == Some(false) {

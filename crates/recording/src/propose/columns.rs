@@ -12,6 +12,8 @@ const G_N: f64 = 9.80665;
 /// Largest relative difference of an accelerometer's mean at rest from that: its offset, and the tilt of the
 /// other axes.
 const OFFSET: f64 = 0.05;
+/// Ratio of link to motor side from which on the two are no sides of one joint, see `StaticRatio` of quell-signal.
+const FAR: f64 = 2.0;
 /// Most columns that are asked for, and most letters of a cell that are shown.
 pub const MOST_ASKED: usize = 12;
 const LONGEST: usize = 24;
@@ -87,6 +89,28 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
     channels
 }
 
+/// A sentence on the first number with a separator of thousands, with how many columns have any.
+pub fn grouped(content: &Content) -> Vec<String> {
+    let mut columns = content
+        .columns
+        .iter()
+        .filter_map(|column| Some((column, column.grouped.as_ref()?)));
+    let first = columns.next();
+    let more = match columns.count() {
+        0 => String::new(),
+        1 => ", and another column like it".into(),
+        n => format!(", and {n} more columns like it"),
+    };
+    let told = first.map(|(column, bad)| {
+        let (text, place, title) = (&bad.text, &bad.place, &column.title);
+        format!(
+            "{text:?} in {place} of {title:?} has a separator of thousands{more}: write the numbers without it, in the program \
+             that exports them or by a replacement in the file"
+        )
+    });
+    told.into_iter().collect()
+}
+
 /// A sentence on the first cell that is no number in a column of numbers.
 fn bad(column: &Column) -> Option<String> {
     let bad = column.bad.as_ref().filter(|_| column.is_mostly_numeric())?;
@@ -155,14 +179,50 @@ impl Channels {
         }
     }
 
+    /// Takes a column of the motor, by its name, and one of the link or the tip, in the same unit, for the positions of the
+    /// two sides where the second one goes as far as the first: a deformation has the slope 0 over the motor side.
+    fn pairs(&mut self, content: &Content) {
+        let title = |channel: &Channel| &content.columns[channel.columns[0]].name;
+        let says = |channel: &Channel, words: &[&str]| {
+            title(channel)
+                .words
+                .iter()
+                .any(|word| words.contains(&word.as_str()))
+        };
+        let guessed = |channel: &Channel| channel.role.why.is_some() && channel.columns.len() == 1;
+        let place = |role: &[Role], words: &[&str]| {
+            let is_one = |own: &Channel| role.contains(&own.role.value) && says(own, words);
+            let mut all = (0..self.found.len()).filter(|&k| is_one(&self.found[k]));
+            all.next().filter(|_| all.next().is_none())
+        };
+        let motor = place(&[Role::MotorPosition], &["motor"]);
+        let sides = [Role::LinkPosition, Role::Deformation];
+        let link = place(&sides, &["tip", "tcp", "tool", "link", "load", "arm"]);
+        let Some((motor, link)) = motor
+            .zip(link)
+            .filter(|(_, link)| guessed(&self.found[*link]))
+        else {
+            return;
+        };
+        let [u, y] = [motor, link].map(|k| &content.columns[self.found[k].columns[0]]);
+        let is_far = |ratio: f64| !(FAR.recip()..FAR).contains(&ratio);
+        if u.name.unit != y.name.unit || is_far(slope(u, y)) {
+            return;
+        }
+        self.found[motor].role = Guess::known(Role::MotorPosition);
+        self.found[link].role = Guess::known(Role::LinkPosition);
+    }
+
     /// Handles guesses that matter. A tip sensor has three axes; with fewer it is a deflection.
     fn alone(&mut self, content: &Content) {
         for channel in &mut self.found {
             if channel.role.value == Role::TipPosition && channel.columns.len() != 3 {
+                // Beside a motor side it may be the link's position, see `pairs`.
                 channel.role = Guess::guessed(Role::Deformation, "fewer than three axes of a tip");
                 channel.columns.truncate(1);
             }
         }
+        self.pairs(content);
         // A single channel is the vibration, whatever its role.
         if let [only] = self.found.as_mut_slice() {
             if only.role.value == Role::MotorVelocity && only.role.why.is_some() {
@@ -193,6 +253,20 @@ impl Channels {
     }
 }
 
+/// The slope of one column over another, by least squares.
+fn slope(over: &Column, of: &Column) -> f64 {
+    let pairs = || {
+        let both = over.numbers.iter().zip(&of.numbers);
+        both.filter(|(x, y)| x.is_finite() && y.is_finite())
+    };
+    let count = pairs().count() as f64;
+    let (x, y) = pairs().fold((0.0, 0.0), |sum, (x, y)| {
+        (sum.0 + x / count, sum.1 + y / count)
+    });
+    let product: f64 = pairs().map(|(a, b)| (a - x) * (b - y)).sum();
+    product / pairs().map(|(a, _)| (a - x).powi(2)).sum::<f64>()
+}
+
 /// The role of a column, and whether it is certain.
 pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
     let name = &content.columns[index].name;
@@ -210,6 +284,8 @@ pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
     match (named, dimension) {
         (Some((role, true)), _) => Some((role, true)),
         (_, Some(Dimension::Acceleration)) => Some((Role::TipAcceleration, true)),
+        // An angle at the tip is that of the link.
+        (Some((Role::TipPosition, _)), Some(Dimension::Angle)) => Some((Role::LinkPosition, false)),
         (Some((role, false)), Some(dimension)) => {
             let fits = role.entry().dimensions.contains(&dimension);
             fits.then_some((role, false))

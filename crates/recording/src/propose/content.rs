@@ -44,6 +44,8 @@ pub struct Column {
     pub texts: usize,
     /// The first of these.
     pub bad: Option<Bad>,
+    /// The first of these that has a separator of thousands, if all that is no number has one.
+    pub grouped: Option<Bad>,
     /// The first cell.
     pub first: String,
     /// Its distinct cells in their order, if there are few.
@@ -170,7 +172,8 @@ impl Content {
 fn place(columns: &mut [Column], table: &Table) {
     for (index, column) in columns.iter_mut().enumerate() {
         let is_wanted = column.is_mostly_numeric();
-        if let Some(bad) = column.bad.as_mut().filter(|_| is_wanted) {
+        let bad = column.bad.as_mut().filter(|_| is_wanted);
+        for bad in bad.into_iter().chain(&mut column.grouped) {
             bad.place = table.place(bad.row, index);
         }
     }
@@ -185,6 +188,7 @@ impl Column {
             numbers: Vec::new(),
             texts: 0,
             bad: None,
+            grouped: None,
             first: String::new(),
             distinct: Vec::new(),
             begins: Vec::new(),
@@ -200,12 +204,17 @@ impl Column {
         let missing = number.is_none() && MISSING.contains(&cell);
         if number.is_none() && !missing {
             self.texts += 1;
-            let (row, text) = (self.numbers.len(), cell);
-            self.bad.get_or_insert_with(|| Bad {
-                row,
-                text: text.into(),
+            let bad = || Bad {
+                row: self.numbers.len(),
+                text: cell.into(),
                 place: String::new(),
-            });
+            };
+            match layout.is_grouped(cell) {
+                true if self.bad.is_none() => self.grouped = Some(bad()),
+                true => {}
+                false => self.grouped = None,
+            }
+            self.bad.get_or_insert_with(bad);
         }
         self.numbers.push(number.unwrap_or(f64::NAN));
         let is_new = self.distinct.last().is_none_or(|last| last != cell);

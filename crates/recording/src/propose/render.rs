@@ -99,6 +99,11 @@ fn are_one_run(files: &[Read]) -> bool {
 impl Read<'_> {
     /// Open questions that matter.
     fn open(&self) -> Vec<String> {
+        // What else is open is so for that reason.
+        let grouped = columns::grouped(self.content);
+        if !grouped.is_empty() {
+            return grouped;
+        }
         let mut open = self.channels.open.clone();
         match &self.clock {
             Clock::None => open.push("no column has the time: rate_hz is needed".into()),
