@@ -399,3 +399,206 @@ fn each_kind_of_model_is_listed_once() {
     );
     assert_eq!(said.matches("oscillator").count(), 1, "{said}");
 }
+
+/// Time, motor side and link at 500 Hz. The link goes by small steps of its law: its acceleration for what it is behind the motor
+/// side, the rate of that, and its own rate.
+fn driven(law: impl Fn(f64, f64, f64) -> f64) -> Vec<[f64; 3]> {
+    let (steps, rate) = (40, 500.0);
+    let moves = [(0.5, 0.25, 0.5), (2.0, 0.25, -0.7), (3.5, 0.3, 0.9)];
+    let motor = |t: f64| -> f64 {
+        let gone = |(at, span, by): (f64, f64, f64)| {
+            let s = ((t - at) / span).clamp(0.0, 1.0);
+            by * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s)
+        };
+        moves.into_iter().map(gone).sum()
+    };
+    let (mut y, mut v, mut rows) = (0.0, 0.0, Vec::new());
+    for k in 0..2500 {
+        let step = 1.0 / (rate * f64::from(steps));
+        for j in 0..steps {
+            let t = f64::from(k) / rate + f64::from(j) * step;
+            let slope = (motor(t + step) - motor(t)) / step;
+            v += step * law(motor(t) - y, slope - v, v);
+            y += step * v;
+        }
+        rows.push([f64::from(k) / rate, motor(f64::from(k + 1) / rate), y]);
+    }
+    rows
+}
+
+/// A joint of 8 Hz, or another, with a damper across it.
+fn joint(hertz: f64, damping_ratio: f64) -> Vec<[f64; 3]> {
+    let w = 2.0 * std::f64::consts::PI * hertz;
+    driven(|off, rate, _| w * w * off + 2.0 * damping_ratio * w * rate)
+}
+
+/// A file of such rows, each sensor through a change of its value at a time.
+fn file(
+    names: [&str; 2],
+    rows: &[[f64; 3]],
+    change: impl Fn(f64, [f64; 2]) -> [f64; 2],
+) -> Vec<u8> {
+    let mut text = format!("time_s,{},{}\n", names[0], names[1]);
+    for [t, u, y] in rows {
+        let [u, y] = change(*t, [*u, *y]);
+        text += &format!("{t:.3},{u:.6},{y:.6}\n");
+    }
+    text.into()
+}
+
+const SIDES: [&str; 2] = ["motor_position_rad", "link_position_rad"];
+
+/// What `quell identify` prints of a file, which it reads.
+fn identified(folder: &Path, bytes: &[u8]) -> String {
+    std::fs::write(folder.join("run.csv"), bytes).unwrap();
+    let mut identify = Command::cargo_bin("quell").unwrap();
+    let identify = identify.current_dir(folder);
+    let arguments = ["identify", "run.csv", "--out", "read", "--force"];
+    let output = identify.args(arguments).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The recommended mode is the joint's, of 8 Hz.
+fn is_of_8_hertz(text: &str) {
+    let at = text.find("Recommended: ").unwrap();
+    let hertz = text[at + 13..].split(' ').next().unwrap();
+    let hertz: f64 = hertz.parse().unwrap();
+    assert!((hertz - 8.0).abs() < 0.05, "{text}");
+}
+
+/// No shaper is of use for a lag of first order or an overdamped link, nor for the rounding of two encoders.
+#[test]
+fn what_does_not_ring_gets_no_shaper() {
+    let folder = folder();
+    let here = folder.path();
+    let same = |_, x| x;
+    let step = 2.0 * std::f64::consts::PI / 4096.0;
+    let twelve_bits = |_, x: [f64; 2]| x.map(|angle| (angle / step).round() * step);
+    // So fast a velocity loop about the lag that only its time constant is seen.
+    let lag = driven(|off, _, rate| 1e4 * (off / 0.05 - rate));
+    for (bytes, words) in [
+        (
+            file(SIDES, &lag, same),
+            "a lag of first order, its time constant is 0.050 s",
+        ),
+        (
+            file(SIDES, &joint(8.0, 1.2), same),
+            "so that it is no resonance",
+        ),
+        (
+            file(SIDES, &joint(120.0, 0.02), twelve_bits),
+            "any mode is below what their steps show",
+        ),
+    ] {
+        std::fs::write(here.join("run.csv"), bytes).unwrap();
+        refused(here, &["identify", "run.csv"], "no mode was found");
+        refused(here, &["identify", "run.csv"], words);
+    }
+    is_of_8_hertz(&identified(here, &file(SIDES, &joint(8.0, 0.03), same)));
+    is_of_8_hertz(&identified(
+        here,
+        &file(SIDES, &joint(8.0, 0.03), twelve_bits),
+    ));
+}
+
+/// A sensor that hangs or is at its limit while the joint moves is told with the time, and the rest of the recording is used.
+#[test]
+fn a_sensor_that_hangs_is_left_out() {
+    let folder = folder();
+    let here = folder.path();
+    let rows = joint(8.0, 0.03);
+    let frozen = |k: usize| {
+        move |t: f64, mut x: [f64; 2]| {
+            if t >= 3.6 {
+                x[k] = 0.04;
+            }
+            x
+        }
+    };
+    let clipped = |_, [u, y]: [f64; 2]| [u, y.min(0.56)];
+    for (bytes, words) in [
+        (
+            file(SIDES, &rows, frozen(0)),
+            "motor_position hangs at one value, 0.04 rad, from 3.6 to 4.998 s",
+        ),
+        (
+            file(SIDES, &rows, frozen(1)),
+            "link_position hangs at one value, 0.04 rad, from 3.6 to 4.998 s",
+        ),
+        (
+            file(SIDES, &rows, clipped),
+            "link_position is at the end of its sensor's range, 0.56 rad, from 3.",
+        ),
+    ] {
+        let text = identified(here, &bytes);
+        assert!(text.contains(words), "{text}");
+        is_of_8_hertz(&text);
+        refused(
+            here,
+            &["diagnose", "--model", "model.toml", "run.csv"],
+            words,
+        );
+        let mut inspect = Command::cargo_bin("quell").unwrap();
+        let inspect = inspect.current_dir(here).args(["inspect", "run.csv"]);
+        let told = String::from_utf8(inspect.output().unwrap().stdout).unwrap();
+        assert!(told.contains(words), "{told}");
+        std::fs::remove_file(here.join("recording.toml")).unwrap();
+    }
+}
+
+/// An angle at the tip beside that of the motor is the link's where it goes as far; else it is asked for.
+#[test]
+fn a_tip_beside_a_motor_is_the_link() {
+    let folder = folder();
+    let here = folder.path();
+    let rows = joint(8.0, 0.03);
+    let degrees = |_, x: [f64; 2]| x.map(f64::to_degrees);
+    is_of_8_hertz(&identified(
+        here,
+        &file(["motor_deg", "tip_deg"], &rows, degrees),
+    ));
+    is_of_8_hertz(&identified(here, &file(["Motor", "Tip"], &rows, degrees)));
+    let bends = |_, [u, y]: [f64; 2]| [u, y - u].map(f64::to_degrees);
+    std::fs::write(
+        here.join("run.csv"),
+        file(["motor_deg", "tip_deg"], &rows, bends),
+    )
+    .unwrap();
+    refused(
+        here,
+        &["identify", "run.csv"],
+        "whether \"tip_deg\" is a link_position",
+    );
+}
+
+/// A separator of thousands is named as the cause, in each of its forms.
+#[test]
+fn separators_of_thousands_are_named() {
+    let folder = folder();
+    for (name, decimal, mark) in [
+        ("us", ".", ","),
+        ("swiss", ".", "'"),
+        ("german", ",", "."),
+        ("french", ",", " "),
+    ] {
+        let mut text = String::from("Time [ms];Motor (deg);Link [deg]\n");
+        for [t, u, y] in joint(8.0, 0.03) {
+            let ms = (1e3 * t).round();
+            let (thousands, rest) = ((ms / 1e3).floor(), ms % 1e3);
+            let time = match thousands > 0.0 {
+                true => format!("{thousands}{mark}{rest:03}{decimal}0"),
+                false => format!("{rest}{decimal}0"),
+            };
+            let cell = |value: f64| format!("{value:.6}").replace('.', decimal);
+            text += &format!("{time};{};{}\n", cell(u), cell(y));
+        }
+        let file = format!("{name}.csv");
+        std::fs::write(folder.path().join(&file), text).unwrap();
+        let words = format!(
+            "\"1{mark}000{decimal}0\" in line 502 of \"Time [ms]\" has a separator of thousands: write the numbers without it"
+        );
+        refused(folder.path(), &["identify", &file], &words);
+    }
+}

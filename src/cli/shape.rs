@@ -7,6 +7,7 @@ use super::out::Force;
 use super::{CliError, choices, next, output, shaping, values};
 use crate::identification::ToldMode;
 use crate::page::{columns, number};
+use crate::recording::plain;
 use quell_shapers::{
     Band, GridTrain, ImpulseTrain, Mode, Optimal, Shaper, UncertainMode, design_for_all,
     insensitivity, residual_vibration,
@@ -131,7 +132,8 @@ fn design(args: &Args) -> Result<Design, CliError> {
     let known = known(args, &told)?;
     let modes = told.iter().map(|told| told.mode).collect();
     let train = design_for_all(args.shaper, &known).map_err(CliError::input)?;
-    let grid = shaping::train(args.shaper, known, 1.0 / args.rate).map_err(CliError::input)?;
+    let grid = shaping::train(args.shaper, known, 1.0 / args.rate)
+        .map_err(|error| CliError::input(format!("at {} Hz: {error}", plain(args.rate))))?;
     Ok(Design {
         shaper: args.shaper,
         modes,

@@ -173,7 +173,10 @@ pub fn identify_until(
     let best_decay = strongest(&free_decays);
     if best_decay.is_none() {
         let evidence = Evidence::of_all(fitted, fit.as_ref(), settings.memory);
-        evidence.strong()?;
+        evidence.strong().map_err(|error| match prior.belief {
+            Some(belief) => searched.not_near(belief),
+            None => error,
+        })?;
         if let Some(fit) = &fit {
             evidence.no_artefact(fitted, fit, prior.rounding)?;
         }
@@ -320,7 +323,10 @@ fn first_look(
         .into_iter()
         .max_by(|a, b| (a.until - a.from).total_cmp(&(b.until - b.from)))
         .and_then(|rest| mode(telling(rest.of(samples)), false));
-    let belief = rest.or(whole).ok_or(IdentificationError::Still)?;
+    let Some(belief) = rest.or(whole) else {
+        Evidence::of_all(samples, None, wide.memory).strong()?;
+        return Err(IdentificationError::Still);
+    };
     let other = whole.unwrap_or(belief).natural_frequency();
     let w = belief.natural_frequency();
     let around = Settings::around(belief, wide.sample_time);

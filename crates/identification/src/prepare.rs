@@ -72,6 +72,20 @@ pub enum IdentificationError {
         /// Number of samples.
         samples: usize,
     },
+    /// No evidence for a mode about the believed one.
+    #[error(
+        "no mode was found from {:.3} to {:.3} Hz, about the model's {belief:.3} Hz: there the tip rests or follows the motor \
+         side, with noise or drift; identify without the model if its frequency may be wrong, else record a move that makes \
+         the link ring, and the rest after it",
+        .searched[0],
+        .searched[1]
+    )]
+    NotNear {
+        /// The believed frequency, Hz.
+        belief: f64,
+        /// Lowest and highest frequency that were searched, Hz.
+        searched: [f64; 2],
+    },
     /// A deformation that is no more than the rounding of its sensors.
     #[error(
         "no mode was found: the deformation spans {range:.2e} beside the motor side's motion, and the rounding of the sensors \

@@ -3,7 +3,7 @@
 
 use super::{Identification, IdentificationError, Recommended, Series};
 use quell_recording::Role;
-use quell_shapers::UncertainMode;
+use quell_shapers::{Mode, UncertainMode};
 
 /// Damping ratio from which the response of second order has no half-power bandwidth, `sin(pi/8)`: its peak,
 /// `1 / (2 xi sqrt(1 - xi^2))`, is then lower than `sqrt(2)` times the response at rest.
@@ -20,6 +20,21 @@ pub struct Searched {
     pub to: f64,
     /// Time between two samples, on average, s.
     pub sample_time: f64,
+}
+
+impl Searched {
+    /// Both ends, Hz.
+    fn hertz(&self) -> [f64; 2] {
+        [self.from, self.to].map(|omega| omega / core::f64::consts::TAU)
+    }
+
+    /// The refusal where no mode was found about a belief.
+    pub(super) fn not_near(&self, belief: Mode) -> IdentificationError {
+        IdentificationError::NotNear {
+            belief: belief.hertz(),
+            searched: self.hertz(),
+        }
+    }
 }
 
 impl Recommended {
@@ -44,13 +59,12 @@ impl Identification {
         let Some(best) = self.recommended() else {
             return Ok(());
         };
-        let hertz = |omega: f64| omega / core::f64::consts::TAU;
         let Searched { from, to, .. } = self.searched;
         let is_outside = |own: &UncertainMode| !(from..=to).contains(&own.mode.natural_frequency());
         if let Some(own) = best.modes().find(is_outside) {
             return Err(IdentificationError::OutOfRange {
                 hertz: own.mode.hertz(),
-                searched: [hertz(from), hertz(to)],
+                searched: self.searched.hertz(),
             });
         }
         match best.may_be_resonance() {

@@ -1,8 +1,9 @@
 //! Which of two positions of a joint follows the other.
 
 use super::spline::{CubicSpline, End};
+use super::static_ratio::{FAR, rounded};
 use nalgebra::{Matrix3, Vector3};
-use quell_recording::{Channel, Recording, Role, range};
+use quell_recording::{Channel, Recording, Role, plain, range};
 
 /// Samples in the shortest window, and windows that the longest one leaves.
 const SHORTEST: usize = 8;
@@ -36,6 +37,8 @@ pub struct Direction {
     /// Difference of the information criteria, `n ln(s_written / s_exchanged)`: `s` is the share of the acceleration that
     /// is left, `n` the number of windows that do not overlap.
     pub evidence: f64,
+    /// How many times as far as the link the motor side moves: the ratio of both ranges.
+    pub travel: f64,
 }
 
 impl Direction {
@@ -66,12 +69,21 @@ impl Direction {
     /// The mistake in a sentence without a full stop, if there is one.
     pub fn contradiction(&self) -> Option<String> {
         let hertz = self.stiffness[1].max(0.0).sqrt() / core::f64::consts::TAU;
-        self.is_exchanged().then(|| {
-            format!(
+        let is_far = !(FAR.recip()..FAR).contains(&self.travel);
+        self.is_exchanged().then(|| match is_far {
+            // The one that follows may swing through, yet by less than once more as far after a step.
+            true => format!(
+                "motor_position moves {} times as far as link_position, which no joint does: one of the two has another \
+                 unit, or a gear is between; write scale = {} at the [[channel]] of motor_position if it is measured before \
+                 the gear, or exchange the two",
+                plain(rounded(self.travel)),
+                plain(rounded(self.travel.recip()))
+            ),
+            false => format!(
                 "motor_position follows link_position, with a mode near {hertz:.1} Hz, where a link follows its motor side: \
                  the two are exchanged; write role = \"link_position\" at the [[channel]] of motor_position, and role = \
                  \"motor_position\" at that of link_position"
-            )
+            ),
         })
     }
 }
@@ -117,6 +129,7 @@ impl Series {
             stiffness: [written.0[0], exchanged.0[0]],
             damping: [written.0[1], exchanged.0[1]],
             evidence,
+            travel: range(&self.motor) / range(&self.link),
         })
     }
 

@@ -12,7 +12,7 @@ const NEAR: f64 = 0.1;
 /// Share of a ratio that its standard deviation may be at most: three of them stay within [`NEAR`].
 const CERTAIN: f64 = NEAR / 3.0;
 /// Factor from which a ratio is no error of a scale.
-const FAR: f64 = 2.0;
+pub(super) const FAR: f64 = 2.0;
 /// Lowest number of samples of the link in a rest.
 const FEWEST: usize = 4;
 
@@ -114,7 +114,7 @@ impl StaticRatio {
 }
 
 /// Three digits.
-fn rounded(value: f64) -> f64 {
+pub(super) fn rounded(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
 

@@ -5,7 +5,7 @@ use super::words::{figure, still};
 use crate::error::DiagnosisError;
 use quell_model::Model;
 use quell_recording::{Channel, Recording, Role};
-use quell_signal::{Direction, StaticRatio};
+use quell_signal::{Direction, Hang, Hangs, StaticRatio};
 
 /// Fewest samples for an estimate of the noise: five third differences, whose median is taken.
 const NOISE: usize = 8;
@@ -94,7 +94,8 @@ fn sound(
     Ok(())
 }
 
-/// Checks that the link goes as far as the motor side that drives it, and follows it, where both are measured.
+/// Checks that the link goes as far as the motor side that drives it, and follows it, where both are measured, and that
+/// neither of their sensors hangs.
 fn follows(
     recording: &Recording,
     input: &Channel,
@@ -104,13 +105,22 @@ fn follows(
     if !outputs.iter().any(is_link) {
         return Ok(());
     }
-    let ratio = StaticRatio::of(recording).filter(|ratio| ratio.motor_side == input.role);
+    let hangs = || {
+        let hangs = Hangs::of(recording)?;
+        let of_two =
+            |run: &Hang| run.role != Role::Deformation && input.role == Role::MotorPosition;
+        hangs.runs.iter().any(of_two).then(|| hangs.contradiction())
+    };
+    let ratio = || {
+        let ratio = StaticRatio::of(recording).filter(|ratio| ratio.motor_side == input.role);
+        ratio.and_then(|ratio| ratio.contradiction())
+    };
     let direction = || match input.role {
         Role::MotorPosition => Direction::of(recording)?.contradiction(),
         _ => None,
     };
-    ratio
-        .and_then(|ratio| ratio.contradiction())
+    hangs()
+        .or_else(ratio)
         .or_else(direction)
         .map_or(Ok(()), |words| {
             Err(DiagnosisError::Contradiction {

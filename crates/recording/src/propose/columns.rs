@@ -217,7 +217,6 @@ impl Channels {
     fn alone(&mut self, content: &Content) {
         for channel in &mut self.found {
             if channel.role.value == Role::TipPosition && channel.columns.len() != 3 {
-                // Beside a motor side it may be the link's position, see `pairs`.
                 channel.role = Guess::guessed(Role::Deformation, "fewer than three axes of a tip");
                 channel.columns.truncate(1);
             }
