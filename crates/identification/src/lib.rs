@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod amplitude;
+mod error;
 mod evidence;
 mod follows;
 mod input_noise;
@@ -20,9 +21,10 @@ mod whitener;
 mod whole_fit;
 
 pub use amplitude::{AmplitudeDependence, CycleDamping};
+pub use error::IdentificationError;
 pub use motor_side::{motor_side, rests};
 pub use nominal_model::NominalModel;
-pub use prepare::{IdentificationError, Series, prepare};
+pub use prepare::{Series, prepare};
 pub use quell_model::ModelError;
 pub use recommended::{Recommended, Why};
 pub use response::{NO_RESONANCE, Searched};

@@ -6,6 +6,7 @@ mod content;
 mod form;
 mod joint;
 mod name;
+mod pairs;
 mod render;
 mod words;
 

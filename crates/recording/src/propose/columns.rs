@@ -12,8 +12,6 @@ const G_N: f64 = 9.80665;
 /// Largest relative difference of an accelerometer's mean at rest from that: its offset, and the tilt of the
 /// other axes.
 const OFFSET: f64 = 0.05;
-/// Ratio of link to motor side from which on the two are no sides of one joint, see `StaticRatio` of quell-signal.
-const FAR: f64 = 2.0;
 /// Most columns that are asked for, and most letters of a cell that are shown.
 pub const MOST_ASKED: usize = 12;
 const LONGEST: usize = 24;
@@ -179,40 +177,6 @@ impl Channels {
         }
     }
 
-    /// Takes a column of the motor, by its name, and one of the link or the tip, in the same unit, for the positions of the
-    /// two sides where the second one goes as far as the first: a deformation has the slope 0 over the motor side.
-    fn pairs(&mut self, content: &Content) {
-        let title = |channel: &Channel| &content.columns[channel.columns[0]].name;
-        let says = |channel: &Channel, words: &[&str]| {
-            title(channel)
-                .words
-                .iter()
-                .any(|word| words.contains(&word.as_str()))
-        };
-        let guessed = |channel: &Channel| channel.role.why.is_some() && channel.columns.len() == 1;
-        let place = |role: &[Role], words: &[&str]| {
-            let is_one = |own: &Channel| role.contains(&own.role.value) && says(own, words);
-            let mut all = (0..self.found.len()).filter(|&k| is_one(&self.found[k]));
-            all.next().filter(|_| all.next().is_none())
-        };
-        let motor = place(&[Role::MotorPosition], &["motor"]);
-        let sides = [Role::LinkPosition, Role::Deformation];
-        let link = place(&sides, &["tip", "tcp", "tool", "link", "load", "arm"]);
-        let Some((motor, link)) = motor
-            .zip(link)
-            .filter(|(_, link)| guessed(&self.found[*link]))
-        else {
-            return;
-        };
-        let [u, y] = [motor, link].map(|k| &content.columns[self.found[k].columns[0]]);
-        let is_far = |ratio: f64| !(FAR.recip()..FAR).contains(&ratio);
-        if u.name.unit != y.name.unit || is_far(slope(u, y)) {
-            return;
-        }
-        self.found[motor].role = Guess::known(Role::MotorPosition);
-        self.found[link].role = Guess::known(Role::LinkPosition);
-    }
-
     /// Handles guesses that matter. A tip sensor has three axes; with fewer it is a deflection.
     fn alone(&mut self, content: &Content) {
         for channel in &mut self.found {
@@ -250,20 +214,6 @@ impl Channels {
         });
         self.open.extend(words);
     }
-}
-
-/// The slope of one column over another, by least squares.
-fn slope(over: &Column, of: &Column) -> f64 {
-    let pairs = || {
-        let both = over.numbers.iter().zip(&of.numbers);
-        both.filter(|(x, y)| x.is_finite() && y.is_finite())
-    };
-    let count = pairs().count() as f64;
-    let (x, y) = pairs().fold((0.0, 0.0), |sum, (x, y)| {
-        (sum.0 + x / count, sum.1 + y / count)
-    });
-    let product: f64 = pairs().map(|(a, b)| (a - x) * (b - y)).sum();
-    product / pairs().map(|(a, _)| (a - x).powi(2)).sum::<f64>()
 }
 
 /// The role of a column, and whether it is certain.
