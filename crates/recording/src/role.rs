@@ -157,6 +157,15 @@ impl Role {
         )
     }
 
+    /// Whether it is a motion, which a moving joint never keeps constant; a command, a force or a current may be held.
+    pub fn is_motion(self) -> bool {
+        use Role::*;
+        !matches!(
+            self,
+            CommandPosition | Force | Torque | MotorCurrent | MotorVoltage | KnownForce | Inertia
+        )
+    }
+
     /// Whether an accelerometer measures it.
     pub fn is_acceleration(self) -> bool {
         matches!(self, Self::TipAcceleration | Self::LinkAcceleration)

@@ -144,8 +144,11 @@ fn flats(channel: &Channel, column: &ColumnHealth, remarks: &mut Vec<String>) {
         ),
         (FlatKind::Stuck, "hangs at one value in motion"),
     ];
-    // A command is piecewise constant by intention.
-    for (kind, words) in words.iter().filter(|_| !channel.role.is_input()) {
+    // A command is piecewise constant by intention. So may a force be, up to the limit of its drive.
+    let role = channel.role;
+    let is_told =
+        |kind: FlatKind| role.is_motion() || !role.is_input() && kind == FlatKind::Saturated;
+    for (kind, words) in words.iter().filter(|(kind, _)| is_told(*kind)) {
         let of_kind = |flat: &&Flat| flat.kind == *kind;
         let count = column.flats.iter().filter(of_kind).count();
         if let Some(flat) = column
