@@ -12,6 +12,7 @@ use super::run::{Looked, attempt};
 use super::score::score_in_one_piece;
 use super::stretches::{Stretches, is_whole, stretches};
 use super::thresholds::{FLOOR, LOST};
+use quell_model::chain::MotorSide;
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
 
@@ -121,7 +122,9 @@ fn look(
             progress,
         )
     };
-    if fitted[0].windows.is_empty() {
+    // A motor side whose motion was recorded does not drift: its windows begin after gaps.
+    let drifts = (model.kind.linear)(&model.keys(), fitted[0].input).motor != MotorSide::Prescribed;
+    if fitted[0].windows.is_empty() || !drifts {
         return Ok(once((fitted, apart), &unknown)?.outcome);
     }
     // Coupled to the measured motion, an error of the force shows where and when it acts, and a fit has few

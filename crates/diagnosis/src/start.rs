@@ -22,8 +22,11 @@ pub fn departures(model: &Model, experiments: &[Experiment]) -> Vec<StartCompone
         // A link whose motion is prescribed starts with that motion.
         (MotorSide::Fixed, _) if linear.link_is_input => Vec::new(),
         (MotorSide::Fixed, _) => vec![Deformation, DeformationRate],
-        // A mode starts with the motion of the first samples, and so with their noise.
-        (MotorSide::Prescribed, _) => match experiments.iter().any(is_noisy) {
+        // A mode starts with the motion of the first samples, and so with their noise; after a gap it may ring.
+        (MotorSide::Prescribed, _) => match experiments
+            .iter()
+            .any(|own| is_noisy(own) || !own.windows.is_empty())
+        {
             true => vec![Deformation, DeformationRate],
             false => Vec::new(),
         },

@@ -7,7 +7,7 @@ use super::known::{Equation, Known};
 use super::output::output;
 use super::piecewise::{Grid, Hold, RADIANS_A_STEP, left_out};
 use super::predict::predict_windows;
-use super::windows::windows;
+use super::windows::{unseen, windows};
 use super::{Departure, ExperimentError, Model, Term};
 use quell_recording::{Channel, Recording, Role};
 use quell_signal::integrated_velocity;
@@ -100,6 +100,9 @@ impl Experiment {
         }
         experiment.measure_start((model.kind.linear)(&model.keys(), input.role).motor);
         experiment.windows = windows(model, &experiment);
+        let unseen: Vec<[f64; 2]> = unseen(model, &experiment).collect();
+        let outputs = experiment.outputs.iter_mut();
+        outputs.for_each(|output| unseen.iter().for_each(|gap| output.leave_out(*gap)));
         let _ = experiment.refine_gain(model);
         experiment.smoothen(model);
         Ok(experiment)

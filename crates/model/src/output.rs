@@ -177,6 +177,19 @@ impl Output {
         self.columns.iter_mut().for_each(cut);
     }
 
+    /// Drops the samples between two instants.
+    pub(super) fn leave_out(&mut self, [from, to]: [f64; 2]) {
+        let at = |instant: f64| instant + self.clock_offset;
+        let first = self.time.partition_point(|stamp| *stamp <= at(from));
+        let last = self
+            .time
+            .partition_point(|stamp| *stamp < at(to))
+            .max(first);
+        let cut = |values: &mut Vec<f64>| drop(values.drain(first..last));
+        [&mut self.time, &mut self.values].into_iter().for_each(cut);
+        self.columns.iter_mut().for_each(cut);
+    }
+
     /// Frees the remaining error of a gain. Errors are reported in the unit of the reading.
     pub(super) fn scaled_by(&mut self, (gain, motor): (Gain, Vec<f64>)) {
         self.columns.push(motor);

@@ -3,6 +3,7 @@
 use super::Model;
 use super::chain::MotorSide;
 use super::experiment::{Experiment, Output, Window};
+use super::piecewise::Hold;
 use quell_recording::Role;
 use std::f64::consts::TAU;
 
@@ -20,7 +21,14 @@ const FEWEST: f64 = 9.0;
 /// Share of a period over which a rate is measured; the mode is linear in it within a hundredth.
 const STRAIGHT: f64 = 0.05;
 
-/// Windows after the first of a motor side that a force drives freely.
+/// Share of a period in which the motor side is not recorded, from which on the motion is restarted: within a quarter
+/// the motor side may come and go, and set the link ringing.
+const UNSEEN: f64 = 0.25;
+
+/// The same in mean intervals of the stamps, for recordings of few samples a period.
+const INTERVALS: f64 = 3.0;
+
+/// Windows after the first, of a motor side that a force drives freely, or whose recorded motion has [gaps](unseen).
 ///
 /// Nothing in such a model brings the motor side back: the error by a small force error grows without bound,
 /// and no noise explains it. (The feedback that held the machine in place is not in the model.) So the motion
@@ -36,7 +44,9 @@ pub(super) fn windows(model: &Model, experiment: &Experiment) -> Vec<Window> {
         .iter()
         .any(|o| matches!(o.role, Role::MotorPosition | Role::MotorVelocity));
     let MotorSide::Free { inertia, viscous } = linear.motor else {
-        return Vec::new();
+        return unseen(model, experiment)
+            .map(|gap| after(experiment, gap[1], STRAIGHT * TAU / model.fastest()))
+            .collect();
     };
     if linear.position_loop.is_some() || !measured {
         return Vec::new();
@@ -66,13 +76,40 @@ pub(super) fn windows(model: &Model, experiment: &Experiment) -> Vec<Window> {
     (1..count as usize).map(start).collect()
 }
 
+/// Stretches, s, in which nothing says how the motor side moved that drives the link.
+pub(super) fn unseen<'a>(
+    model: &Model,
+    experiment: &'a Experiment,
+) -> impl Iterator<Item = [f64; 2]> + use<'a> {
+    let linear = (model.kind.linear)(&model.keys(), experiment.input);
+    let is_led = linear.motor == MotorSide::Prescribed && linear.link.is_some();
+    let stamps: &[f64] = match is_led && experiment.hold == Hold::Spline {
+        true => &experiment.input_time,
+        false => &[],
+    };
+    let period = TAU / model.fastest();
+    let longest = (UNSEEN * period).max(INTERVALS * experiment.mean_interval());
+    let pairs = stamps.windows(2).map(|pair| [pair[0], pair[1]]);
+    pairs.filter(move |[from, to]| to - from > longest)
+}
+
+/// A start at an instant of a recorded motor side, with the link in its place.
+fn after(experiment: &Experiment, time: f64, reach: f64) -> Window {
+    let (stamps, values) = (&experiment.input_time, &experiment.input_values);
+    let [position, velocity] = line(stamps, values, time, reach);
+    Window {
+        time,
+        state: [position, velocity, 0.0, 0.0],
+    }
+}
+
 /// The readings at an instant, by a straight line over this time on both sides.
 fn state(experiment: &Experiment, time: f64, reach: f64) -> [f64; 4] {
     let mut state = [0.0; 4];
     let velocity = |output: &&Output| output.role == Role::MotorVelocity;
     if let Some(output) = experiment.outputs.iter().find(velocity) {
         state[0] = travelled(output, time);
-        state[1] = line(output, time, reach)[0];
+        state[1] = line(&output.time, &output.values, time, reach)[0];
     }
     for output in &experiment.outputs {
         let slot = match output.role {
@@ -80,7 +117,7 @@ fn state(experiment: &Experiment, time: f64, reach: f64) -> [f64; 4] {
             Role::Deformation => 2,
             _ => continue,
         };
-        [state[slot], state[slot + 1]] = line(output, time, reach);
+        [state[slot], state[slot + 1]] = line(&output.time, &output.values, time, reach);
     }
     state
 }
@@ -96,15 +133,15 @@ fn travelled(output: &Output, time: f64) -> f64 {
 }
 
 /// Value and slope at an instant.
-fn line(output: &Output, time: f64, reach: f64) -> [f64; 2] {
-    let from = output.time.partition_point(|t| *t < time - reach);
-    let to = output.time.partition_point(|t| *t <= time + reach);
+fn line(stamps: &[f64], values: &[f64], time: f64, reach: f64) -> [f64; 2] {
+    let from = stamps.partition_point(|t| *t < time - reach);
+    let to = stamps.partition_point(|t| *t <= time + reach);
     let n = (to - from) as f64;
     if to < from + 2 {
-        let nearest = from.min(output.values.len() - 1);
-        return [output.values[nearest], 0.0];
+        let nearest = from.min(values.len() - 1);
+        return [values[nearest], 0.0];
     }
-    let (times, values) = (&output.time[from..to], &output.values[from..to]);
+    let (times, values) = (&stamps[from..to], &values[from..to]);
     let centre = times.iter().sum::<f64>() / n;
     let mean = values.iter().sum::<f64>() / n;
     let pairs = || times.iter().zip(values);
