@@ -602,3 +602,35 @@ fn separators_of_thousands_are_named() {
         refused(folder.path(), &["identify", &file], &words);
     }
 }
+
+/// What the motor side did in a gap of the record is not known: the ringing after it is not for an impact.
+#[test]
+fn a_gap_in_a_move_is_no_impact() {
+    let mut rows = joint(8.0, 0.05);
+    rows.retain(|row| !(3.55..3.85).contains(&row[0]));
+    let folder = folder();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    let noise = |t: f64| 4e-5 * ((t * 1e4).sin() * 43758.545).fract();
+    write(
+        "gap.csv",
+        &file(SIDES, &rows, |t, [u, y]| [u, y + noise(t)]),
+    );
+    write("model.toml", MODEL.as_bytes());
+    let mut diagnose = Command::cargo_bin("quell").unwrap();
+    let diagnose = diagnose.current_dir(folder.path());
+    let arguments = [
+        "diagnose",
+        "--model",
+        "model.toml",
+        "gap.csv",
+        "--out",
+        "out",
+    ];
+    let output = diagnose.args(arguments).output().unwrap();
+    let told = String::from_utf8(output.stdout).unwrap();
+    assert!(told.starts_with("Nothing is missing"), "{told}");
+    assert!(
+        told.contains("in 2 windows, each with a start of its own"),
+        "{told}"
+    );
+}
