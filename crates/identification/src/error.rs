@@ -1,8 +1,11 @@
 //! Why a recording cannot be identified.
 
-use super::response::NO_RESONANCE;
 use quell_recording::{Role, plain};
 use quell_signal::SignalError;
+
+/// Damping ratio from which the response of second order has no half-power bandwidth, `sin(pi/8)`: its peak,
+/// `1 / (2 xi sqrt(1 - xi^2))`, is then lower than `sqrt(2)` times the response at rest.
+pub const NO_RESONANCE: f64 = 0.382_683_432_365_089_8;
 
 /// Why a recording cannot be identified.
 #[derive(Debug, thiserror::Error)]

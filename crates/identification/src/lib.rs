@@ -21,13 +21,13 @@ mod whitener;
 mod whole_fit;
 
 pub use amplitude::{AmplitudeDependence, CycleDamping};
-pub use error::IdentificationError;
+pub use error::{IdentificationError, NO_RESONANCE};
 pub use motor_side::{motor_side, rests};
 pub use nominal_model::NominalModel;
 pub use prepare::{Series, prepare};
 pub use quell_model::ModelError;
 pub use recommended::{Recommended, Why};
-pub use response::{NO_RESONANCE, Searched};
+pub use response::Searched;
 pub use run::{OffLine, OnLine, Run};
 pub use stretches::Stretch;
 pub use told_mode::ToldMode;

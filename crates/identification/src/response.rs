@@ -1,13 +1,11 @@
 //! What a found mode can be: a resonance or not, of the link alone or of servo and link; and which frequencies were
 //! looked at.
 
+use super::error::NO_RESONANCE;
 use super::{Identification, IdentificationError, Recommended, Series};
 use quell_recording::Role;
 use quell_shapers::{Mode, UncertainMode};
 
-/// Damping ratio from which the response of second order has no half-power bandwidth, `sin(pi/8)`: its peak,
-/// `1 / (2 xi sqrt(1 - xi^2))`, is then lower than `sqrt(2)` times the response at rest.
-pub const NO_RESONANCE: f64 = 0.382_683_432_365_089_8;
 /// Half of a 95 % interval, in standard deviations.
 const OF_95: f64 = 1.96;
 
