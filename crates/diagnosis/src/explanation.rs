@@ -1,6 +1,6 @@
 //! An explanation: a fitted structure, and its score on held-out data.
 
-use super::evidence::Evidence;
+use super::evidence::{CALIBRATED, Evidence};
 use super::fit::Fitted;
 use super::judge::Judge;
 use super::point::{EffectAt, Point};
@@ -22,6 +22,8 @@ pub struct Explanation {
     pub evidence: Evidence,
     /// Term and index of a parameter of its effects that lies at the end of its range.
     pub at_end: Option<(usize, usize)>,
+    /// Whether its data say nothing of a parameter that must have one value, were only noise left.
+    pub is_meaningless: bool,
 }
 
 impl Explanation {
@@ -52,11 +54,6 @@ impl Explanation {
         self.fitted.point.structure() == other.structure()
     }
 
-    /// Whether a parameter of its effects lies at the end of its range.
-    pub fn is_at_end(&self) -> bool {
-        self.at_end.is_some()
-    }
-
     /// Log of its marginal likelihood.
     pub fn log_evidence(&self, temperature: f64) -> f64 {
         self.evidence.log(temperature)
@@ -76,12 +73,15 @@ impl Judge<'_> {
         // If only noise is left, no other shape leaves less.
         let shaped = train > self.train_rows as f64 * FLOOR;
         let evidence = Evidence::new(problem, &views, &fitted, shaped);
-        Explanation {
+        let mut explanation = Explanation {
             train,
             held_out: evidence.held_out(),
             at_end: problem.at_end(&fitted, &evidence),
+            is_meaningless: false,
             fitted,
             evidence,
-        }
+        };
+        explanation.is_meaningless = !problem.is_meaningful(&explanation, CALIBRATED);
+        explanation
     }
 }

@@ -58,7 +58,7 @@ impl Problem<'_> {
         let mut roles = unknown.into_iter().map(|(_, role)| role);
         roles.all(|role| {
             !has_ends(role) || matches!(role, ParameterRole::Shape | ParameterRole::Size)
-        }) && !explanation.is_at_end()
+        }) && explanation.at_end.is_none()
     }
 
     /// Term and role of the parameters of added effects whose confidence interval spans the whole range.

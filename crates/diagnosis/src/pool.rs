@@ -116,7 +116,7 @@ impl Pool {
             let own = refit(&entry.own);
             Entry {
                 // A parameter may have reached the end of its range, and the structures without its effect may not be kept.
-                thinned: entry.thinned && !own.is_at_end(),
+                thinned: entry.thinned && !own.is_meaningless,
                 extended: entry.extended.clone(),
                 from_all: entry.from_all,
                 own,
@@ -240,8 +240,8 @@ impl Pool {
         noise.min_by_key(order).unwrap_or(self.least())
     }
 
-    /// All explanations with their log marginal likelihoods, the most probable first. Those with a parameter at
-    /// the end of its range come last: such parameters are meaningless.
+    /// All explanations with their log marginal likelihoods, the most probable first. Those with a parameter that says
+    /// nothing come last.
     pub fn ranked(&self, temperature: f64) -> Vec<(&Explanation, f64)> {
         let scored = |entry: &'_ Entry| entry.own.log_evidence(temperature);
         let mut ranked: Vec<(&Explanation, f64)> = self
@@ -249,7 +249,7 @@ impl Pool {
             .iter()
             .map(|entry| (&entry.own, scored(entry)))
             .collect();
-        let order = |own: &(&Explanation, f64)| (own.0.is_at_end(), -own.1);
+        let order = |own: &(&Explanation, f64)| (own.0.is_meaningless, -own.1);
         ranked.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(Ordering::Equal));
         ranked
     }
