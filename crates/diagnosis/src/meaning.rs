@@ -54,11 +54,11 @@ impl Problem<'_> {
     /// of a law is exempt, since it may not matter, and so is its size: whether there is an effect at all is for the
     /// evidence to say, and one touch shows where an end stop is, not how hard.
     pub fn is_meaningful(&self, explanation: &Explanation, temperature: f64) -> bool {
-        let unknown = self.unknown(explanation, temperature);
-        let mut roles = unknown.into_iter().map(|(_, role)| role);
-        roles.all(|role| {
-            !has_ends(role) || matches!(role, ParameterRole::Shape | ParameterRole::Size)
-        }) && explanation.at_end.is_none()
+        let is_one_value = |role: ParameterRole| {
+            has_ends(role) && !matches!(role, ParameterRole::Shape | ParameterRole::Size)
+        };
+        let unknown = || self.unknown(explanation, temperature);
+        explanation.at_end.is_none() && !unknown().iter().any(|own| is_one_value(own.1))
     }
 
     /// Term and role of the parameters of added effects whose confidence interval spans the whole range.

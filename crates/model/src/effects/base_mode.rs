@@ -2,7 +2,7 @@
 
 use super::deformation_gain::DEFORMATION_GAIN;
 use super::grid::{frequencies, frequency_bounds, product};
-use super::shared_parameters::DAMPING_COUPLING;
+use super::shared_parameters::{DAMPING_COUPLING, DAMPING_RATIO};
 use super::{
     Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Resonance,
 };
@@ -39,15 +39,7 @@ pub const BASE_MODE: Effect = Effect {
             neutral: 1.0,
             typical: |scales| 1.5 * scales.natural_frequency,
         },
-        Parameter {
-            name: "damping_ratio",
-            role: ParameterRole::Shape,
-            quantity: Quantity::NUMBER,
-            // A mode is not overdamped.
-            bounds: |_| (0.0, 0.5),
-            neutral: 0.0,
-            typical: |_| 0.05,
-        },
+        DAMPING_RATIO,
         DAMPING_COUPLING,
     ],
     properties: &[

@@ -2,7 +2,7 @@
 
 use super::deformation_gain::DEFORMATION_GAIN;
 use super::grid::{frequencies, frequency_bounds, product};
-use super::shared_parameters::DAMPING_COUPLING;
+use super::shared_parameters::{DAMPING_COUPLING, DAMPING_RATIO};
 use super::{
     Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Resonance,
 };
@@ -43,13 +43,8 @@ pub const SECOND_MODE: Effect = Effect {
             typical: |scales| 2.5 * scales.natural_frequency,
         },
         Parameter {
-            name: "damping_ratio",
-            role: ParameterRole::Shape,
-            quantity: Quantity::NUMBER,
-            // A mode is not overdamped.
-            bounds: |_| (0.0, 0.5),
-            neutral: 0.0,
             typical: |_| 0.03,
+            ..DAMPING_RATIO
         },
         DAMPING_COUPLING,
     ],

@@ -33,6 +33,16 @@ pub(super) const ORDER: Parameter = Parameter {
     typical: resonant_order,
 };
 
+/// Damping ratio of a further mode, which is not overdamped.
+pub(super) const DAMPING_RATIO: Parameter = Parameter {
+    name: "damping_ratio",
+    role: ParameterRole::Shape,
+    quantity: Quantity::NUMBER,
+    bounds: |_| (0.0, 0.5),
+    neutral: 0.0,
+    typical: |_| 0.05,
+};
+
 /// What the damper of the joint does to a further mode, as a damping ratio.
 pub(super) const DAMPING_COUPLING: Parameter = Parameter {
     name: "damping_coupling",

@@ -3,6 +3,7 @@
 use super::base_mode::BASE_MODE;
 use super::grid::{frequency_bounds, product};
 use super::second_mode::SECOND_MODE;
+use super::shared_parameters::DAMPING_RATIO;
 use super::{
     Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
     Quantity,
@@ -40,13 +41,18 @@ impl Pendulum {
         }
     }
 
+    /// Rate of the deflection, and the acceleration that brings it back.
+    fn rate_and_return(&self, p: f64, v: f64, [sin, cos]: [f64; 2]) -> [f64; 2] {
+        let (w, rate) = (self.natural_frequency, p - v * cos);
+        [rate, w * w * sin + 2.0 * self.damping_ratio * w * rate]
+    }
+
     /// Rates of deflection and momentum `p = phi' + v cos(a phi)` while the link moves with `v`. The momentum spares the
     /// link's acceleration.
     fn rates(&self, [phi, p]: [f64; 2], v: f64) -> [f64; 2] {
-        let (w, [sin, cos]) = (self.natural_frequency, self.lever(phi));
-        let rate = p - v * cos;
-        let back = w * w * sin + 2.0 * self.damping_ratio * w * rate;
-        [rate, -back - self.angle * self.angle * v * rate * sin]
+        let lever = self.lever(phi);
+        let [rate, back] = self.rate_and_return(p, v, lever);
+        [rate, -back - self.angle * self.angle * v * rate * lever[0]]
     }
 
     /// Deflection and momentum at a time, the link's speed being linear within the step.
@@ -82,9 +88,8 @@ impl Force for Pendulum {
             return [0.0; 2];
         }
         let [phi, p] = self.at(motion.time, v, memory);
-        let (w, [sin, cos]) = (self.natural_frequency, self.lever(phi));
-        let rate = p - v * cos;
-        let back = w * w * sin + 2.0 * self.damping_ratio * w * rate;
+        let [sin, cos] = self.lever(phi);
+        let [rate, back] = self.rate_and_return(p, v, [sin, cos]);
         let squared = self.angle * self.angle;
         let inertia = self.mass_ratio * motion.inertia;
         [
@@ -136,14 +141,7 @@ pub const SWINGING_LOAD: Effect = Effect {
             neutral: 1.0,
             typical: |_| 2.0 * SLOWEST,
         },
-        Parameter {
-            name: "damping_ratio",
-            role: ParameterRole::Shape,
-            quantity: Quantity::NUMBER,
-            bounds: |_| (0.0, 0.5),
-            neutral: 0.0,
-            typical: |_| 0.05,
-        },
+        DAMPING_RATIO,
         Parameter {
             // The angle at which the load hangs behind a link of unit acceleration: its lever over gravity.
             name: "tilt",
