@@ -16,30 +16,36 @@ use super::thresholds::{BEAM, LONG};
 use rayon::prelude::*;
 
 impl Search<'_> {
-    /// If only noise is left, fits the other structures again from the optimum of all rows that would be credible if their
-    /// held-out rows left only noise, too. Returns whether there is a better explanation.
+    /// If the best explanation fits down to the noise, fits structures again from the optimum of all rows. Returns
+    /// whether there is a better explanation.
     pub fn fit_to_all_rows(&self, pool: &mut Pool) -> bool {
         let before = pool.best(self.judge).clone();
-        if self.judge.data.judged_by != HeldOut::Stretches || !self.leaves_noise(&before) {
-            return false;
+        if self.judge.fits_to_noise(&before) {
+            self.refit_doubtful(pool, |pool| pool.temperature(self.judge));
         }
-        while !self.is_over() {
-            let doubtful = self.doubtful(pool);
+        !pool.best(self.judge).is_like(&before)
+    }
+
+    /// Fits the structures of a pool again from the optimum of all rows that would be credible at a temperature if their held-out
+    /// rows left only noise, and do not.
+    pub fn refit_doubtful(&self, pool: &mut Pool, temperature: impl Fn(&Pool) -> f64) {
+        while self.judge.data.judged_by == HeldOut::Stretches && !self.is_over() {
+            let temperature = temperature(pool);
+            let doubtful = self.doubtful(pool, temperature);
             if doubtful.is_empty() {
                 break;
             }
             pool.mark_fitted_to_all(&doubtful);
             let again = doubtful.par_iter().map(|own| self.fitted_to_all_rows(own));
             let again: Vec<Explanation> = again.collect();
-            let temperature = pool.temperature(self.judge);
-            again.into_iter().for_each(|own| pool.put(own, temperature));
+            for (own, from) in again.into_iter().zip(&doubtful) {
+                self.log(&own, from, temperature);
+                pool.add(own);
+            }
         }
-        !pool.best(self.judge).is_like(&before)
     }
 
-    /// Structures that are not credible, and would be without what their held-out rows leave beyond the noise.
-    fn doubtful(&self, pool: &Pool) -> Vec<Explanation> {
-        let temperature = pool.temperature(self.judge);
+    fn doubtful(&self, pool: &Pool, temperature: f64) -> Vec<Explanation> {
         let ranked = pool.ranked(temperature);
         let least = least_credible(ranked[0].1);
         let rows = self.judge.held_out_rows as f64;
@@ -48,7 +54,10 @@ impl Search<'_> {
             own.1 + beyond.max(0.0) / (2.0 * temperature)
         };
         let is_doubtful = |own: &&(&Explanation, f64)| {
-            own.0.terms() > 0 && own.1 < least && hope(own) > least && !pool.is_fitted_to_all(own.0)
+            own.0.terms() > 0
+                && !self.leaves_noise(own.0)
+                && hope(own) > least
+                && !pool.is_fitted_to_all(own.0)
         };
         let all = ranked.iter().filter(is_doubtful);
         all.take(BEAM).map(|own| own.0.clone()).collect()

@@ -116,7 +116,7 @@ impl Search<'_> {
     }
 
     /// Logs a candidate of the search, for debugging.
-    fn log(&self, own: &Explanation, from: &Explanation, temperature: f64) {
+    pub(super) fn log(&self, own: &Explanation, from: &Explanation, temperature: f64) {
         let over_noise = |chi: f64, rows: usize| (chi / rows.max(1) as f64).sqrt();
         let terms = own.fitted.point.terms.iter();
         let values: Vec<&[f64]> = terms.map(|term| &term.values[..]).collect();

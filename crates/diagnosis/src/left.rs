@@ -22,9 +22,14 @@ impl Judge<'_> {
     /// must be no certain mismatch either.
     pub fn leaves_noise(&self, own: &Explanation) -> bool {
         let beyond = own.evidence.held_out_beyond_fit();
-        own.evidence.left() <= most_of_noise(self.train_rows)
+        self.fits_to_noise(own)
             && beyond <= most_of_noise(self.held_out_rows) + self.rounding
             && own.held_out <= times_noise(CERTAIN, self.held_out_rows) + self.rounding
+    }
+
+    /// Whether an explanation leaves only noise of the rows that were fitted.
+    pub fn fits_to_noise(&self, own: &Explanation) -> bool {
+        own.evidence.left() <= most_of_noise(self.train_rows)
     }
 }
 

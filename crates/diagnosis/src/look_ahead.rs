@@ -37,7 +37,11 @@ impl Search<'_> {
                     self.add_extended(&mut ahead, own, Table::Named);
                 }
             }
-            let next = ahead.most_likely(count + 1);
+            let mut next = ahead.most_likely(count + 1);
+            if next.iter().any(|own| self.judge.fits_to_noise(own)) {
+                self.refit_doubtful(&mut ahead, |_| CALIBRATED);
+                next = ahead.most_likely(count + 1);
+            }
             if next.iter().any(|own| self.leaves_noise(own)) {
                 *pool = ahead;
                 return true;

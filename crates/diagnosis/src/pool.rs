@@ -63,25 +63,17 @@ impl Pool {
         }
     }
 
-    /// Adds an explanation, unless the pool has the same structure with a better fit.
+    /// Adds an explanation, unless the pool has the same structure with a fit that is as likely, were only noise left. The
+    /// fitted rows alone do not say which of two fits is better: a law that hardly acts in them is told by the held-out rows.
     pub fn add(&mut self, next: Explanation) {
+        let odds = |own: &Explanation| own.log_evidence(CALIBRATED);
         match self.all.iter_mut().find(|entry| entry.own.is_like(&next)) {
-            Some(entry) if entry.own.fitted.cost > next.fitted.cost => {
+            Some(entry) if odds(&next) > odds(&entry.own) => {
                 entry.own = next;
                 entry.thinned = false;
             }
             Some(_) => {}
             None => self.all.push(Entry::new(next)),
-        }
-    }
-
-    /// Puts an explanation in the place of a less probable one of the same structure.
-    pub fn put(&mut self, next: Explanation, temperature: f64) {
-        let odds = |own: &Explanation| own.log_evidence(temperature);
-        let like = self.all.iter_mut().find(|entry| entry.own.is_like(&next));
-        if let Some(entry) = like.filter(|entry| odds(&next) > odds(&entry.own)) {
-            entry.own = next;
-            entry.thinned = false;
         }
     }
 
