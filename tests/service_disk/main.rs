@@ -4,6 +4,7 @@
 mod client;
 mod faulty;
 mod folder;
+mod found_out;
 mod full;
 mod kill;
 mod limited;

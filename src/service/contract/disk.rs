@@ -55,7 +55,7 @@ impl DiskPart {
 pub struct DiskFault {
     /// Its kind.
     pub what: DiskPart,
-    /// The file or folder, and what the system says; as of the first failure.
+    /// The file or folder, and what is the matter with it; as of the last failure.
     pub reason: String,
     /// Since when, seconds since 1970.
     pub since_unix_time_s: f64,

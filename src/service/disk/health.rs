@@ -11,17 +11,21 @@ pub struct Health {
 }
 
 impl Health {
-    /// Notes a failed write at `now` (seconds since 1970). It is logged once, until a write succeeds.
+    /// Notes a failed write at `now` (seconds since 1970). It is logged once, until a write succeeds; the view
+    /// has the newest reason.
     pub fn failed(&mut self, what: DiskPart, reason: &str, now: f64) {
         self.failures += 1;
-        if !self.is_failing(what) {
-            tracing::error!(what = what.name(), "cannot be written: {reason}");
-            self.faults.push(DiskFault {
-                what,
-                reason: reason.into(),
-                since_unix_time_s: now,
-            });
+        let known = self.faults.iter_mut().find(|fault| fault.what == what);
+        if let Some(fault) = known {
+            fault.reason = reason.into();
+            return;
         }
+        tracing::error!(what = what.name(), "cannot be written: {reason}");
+        self.faults.push(DiskFault {
+            what,
+            reason: reason.into(),
+            since_unix_time_s: now,
+        });
     }
 
     /// Notes a successful write.

@@ -10,7 +10,6 @@ mod lock;
 mod storage;
 
 use std::fmt::Display;
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -20,7 +19,7 @@ use super::contract::{DiskPart, DiskView};
 use health::Health;
 pub use lock::FolderError;
 use lock::Lock;
-pub use storage::{FileSystem, Storage};
+pub use storage::{FileSystem, Storage, make_folder};
 
 /// Access to the disk; cheap to clone. While a clone lives, the lock on the folder is held.
 #[derive(Clone, Debug)]
@@ -54,7 +53,7 @@ impl Disk {
     /// # Errors
     /// [`FolderError`] where another service uses it, or it cannot be created.
     pub fn of(folder: &Path, storage: Arc<dyn Storage>) -> Result<Self, FolderError> {
-        fs::create_dir_all(folder).map_err(|error| FolderError::System {
+        make_folder(folder).map_err(|error| FolderError::System {
             path: folder.into(),
             error,
         })?;

@@ -5,6 +5,8 @@ use std::fs::{self, File};
 use std::io;
 use std::path::Path;
 
+use rustix::fs::{Access, access, statvfs};
+
 use crate::recording::Sink;
 
 /// The disk operations that the service needs. Reading does not use it: a full disk can still be read.
@@ -40,6 +42,13 @@ pub trait Storage: Debug + Send + Sync {
     /// # Errors
     /// The system's error.
     fn remove(&self, path: &Path) -> io::Result<()>;
+
+    /// Looks, without a write, whether a folder is there and may take new files of `room` bytes. A medium
+    /// may refuse a write all the same, as by a quota.
+    ///
+    /// # Errors
+    /// What is the matter with the folder.
+    fn look(&self, folder: &Path, room: u64) -> io::Result<()>;
 }
 
 /// The file system.
@@ -72,4 +81,40 @@ impl Storage for FileSystem {
             false => fs::remove_file(path),
         }
     }
+
+    fn look(&self, folder: &Path, room: u64) -> io::Result<()> {
+        let is_folder = fs::metadata(folder).map(|data| data.is_dir());
+        match is_folder {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                return Err(io::Error::new(error.kind(), "the folder is gone"));
+            }
+            Ok(false) => return Err(not_a_folder()),
+            other => other?,
+        };
+        access(folder, Access::WRITE_OK | Access::EXEC_OK)?;
+        let disk = statvfs(folder)?;
+        let free = disk.f_bavail.saturating_mul(disk.f_frsize);
+        // Where a file system does not know its size, it says 0.
+        if disk.f_blocks > 0 && free < room {
+            let words = format!("the disk is full: {free} bytes are free");
+            return Err(io::Error::new(io::ErrorKind::StorageFull, words));
+        }
+        Ok(())
+    }
+}
+
+/// Creates a folder with those above it, unless it is there.
+///
+/// # Errors
+/// The system's error, or that a file has its name.
+pub fn make_folder(path: &Path) -> io::Result<()> {
+    fs::create_dir_all(path).map_err(|error| match path.is_file() {
+        true => not_a_folder(),
+        false => error,
+    })
+}
+
+fn not_a_folder() -> io::Error {
+    let words = "it is a file, and a folder is needed";
+    io::Error::new(io::ErrorKind::NotADirectory, words)
 }

@@ -1,6 +1,7 @@
 //! The journal of a recording, written during the recording: after a kill it is readable up to the cut.
 
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use super::log::{Log, Written};
 use crate::recording::{McapWriter, RecordingError};
@@ -8,6 +9,7 @@ use crate::service::disk::{Disk, beside};
 
 /// A file that grows with its recording. It is replaced once the recording is complete.
 pub struct Journal {
+    path: PathBuf,
     file: McapWriter,
     written: Written,
 }
@@ -26,6 +28,7 @@ impl Journal {
         let refused = |error| RecordingError::io(&path_of_new, &error);
         let file = disk.storage().create(&path_of_new).map_err(refused)?;
         let mut journal = Self {
+            path: path.into(),
             file: log.begin_mcap(file, path, joint, epoch)?,
             written: log.nothing_written(),
         };
@@ -40,7 +43,13 @@ impl Journal {
     }
 
     /// Writes the samples since the last call.
-    pub fn write(&mut self, log: &Log, joint: &str) -> Result<(), RecordingError> {
+    pub fn write_more(&mut self, log: &Log, joint: &str) -> Result<(), RecordingError> {
+        // A file that is open takes more although nobody can find it any more.
+        fs::metadata(&self.path).map_err(|error| RecordingError::io(&self.path, &error))?;
+        self.write(log, joint)
+    }
+
+    fn write(&mut self, log: &Log, joint: &str) -> Result<(), RecordingError> {
         log.write_on(&mut self.written, &mut self.file, joint)?;
         self.file.flush()
     }

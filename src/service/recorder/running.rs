@@ -75,7 +75,12 @@ impl Running {
         if self.unwritable || no_room || !self.log.is_measured() {
             return;
         }
+        let grows = self.journal.is_some();
         let written = self.try_to_write_down(shelf, epoch);
+        if written.is_ok() && grows {
+            // An open file takes more even where its folder is gone: only a new file says that the disk works.
+            return;
+        }
         if let Err(error) = shelf.told(written) {
             (self.journal, self.described) = (None, false);
             self.unwritable = !error.is_disk();
@@ -92,7 +97,7 @@ impl Running {
         }
         let joint = &self.about.joint;
         match &mut self.journal {
-            Some(journal) => journal.write(&self.log, joint)?,
+            Some(journal) => journal.write_more(&self.log, joint)?,
             None => {
                 let path = shelf.unfinished(&self.name).join(MCAP);
                 let journal = Journal::begin(shelf.disk(), &path, &self.log, joint, epoch)?;

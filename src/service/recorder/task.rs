@@ -21,7 +21,7 @@ const BEFORE: f64 = 1.0;
 const AFTER: f64 = 1.0;
 /// Interval of writing, s: the loss by a kill. It equals the interval at which the file closes its chunks.
 const EVERY: f64 = 0.25;
-/// Interval at which a disk that has refused a write is tried again, s.
+/// Interval at which the folder is looked at, and a disk that has refused a write is tried again, s.
 const AGAIN: f64 = 1.0;
 
 /// The recorder's task.
@@ -33,7 +33,7 @@ pub struct Task {
     running: Vec<Running>,
     /// Time of the last write, s on the service's clock.
     written: f64,
-    /// Time of the last check for room on the disk, s on the service's clock.
+    /// Time of the last look at the disk, s on the service's clock.
     asked: f64,
     /// Whether an unfinished recording waits for room.
     unfinished: bool,
@@ -297,14 +297,20 @@ impl Task {
         }
     }
 
-    /// Checks a disk that has refused a write for room. If there is room, unfinished recordings are stored on
-    /// the shelf as far as they were written.
+    /// Looks at the folder, also while nothing is recorded, and tries a disk that has refused a write. If it
+    /// takes one, unfinished recordings are stored on the shelf as far as they were written.
     async fn look_for_room(&mut self, now: f64) {
-        let disk = self.shelf.disk();
-        if disk.is_failing(DiskPart::Recordings) && now - self.asked >= AGAIN {
+        if now - self.asked >= AGAIN {
             self.asked = now;
+            let failing = self.shelf.disk().is_failing(DiskPart::Recordings);
+            let tried = self.on_disk(move |shelf| {
+                shelf.told(match failing {
+                    true => shelf.probe(),
+                    false => shelf.check(),
+                })
+            });
             // The disk keeps the result.
-            let _ = self.on_disk(|shelf| shelf.told(shelf.probe())).await;
+            let _ = tried.await;
         }
         if !self.unfinished || self.shelf.disk().is_failing(DiskPart::Recordings) {
             return;
@@ -340,6 +346,8 @@ impl Task {
                     self.handle.tell(RecordingNews::Gone { name });
                 }
             }
+            // Of a folder that takes nothing it was told already.
+            Err(_) if self.shelf.disk().is_failing(DiskPart::Recordings) => {}
             Err(reason) => tracing::warn!("recordings take more than they may: {reason}"),
         }
     }

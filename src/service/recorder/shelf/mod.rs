@@ -25,7 +25,7 @@ pub use tidy::Bounds;
 use super::MCAP;
 use crate::recording::RecordingError;
 use crate::service::contract::DiskPart;
-use crate::service::disk::{Disk, beside};
+use crate::service::disk::{Disk, beside, make_folder};
 
 /// Prefix of incomplete recordings; no recording has such a name.
 const UNFINISHED: &str = ".unfinished-";
@@ -110,7 +110,7 @@ impl Shelf {
     /// # Errors
     /// [`ShelfError::Disk`] where the folder cannot be created or read.
     pub fn on(folder: &Path, bounds: Bounds, disk: Disk) -> Result<Self, ShelfError> {
-        fs::create_dir_all(folder).map_err(|source| self::disk(folder, source))?;
+        make_folder(folder).map_err(|source| self::disk(folder, source))?;
         let shelf = Self {
             folder: folder.into(),
             bounds,
@@ -120,7 +120,7 @@ impl Shelf {
         shelf.count()?;
         shelf.remove_leaving()?;
         // The disk keeps an error here; it does not prevent the start.
-        let _ = shelf.told(shelf.salvage(&[]));
+        let _ = shelf.told(shelf.salvage(&[]).and_then(|_| shelf.check()));
         if let Err(error) = shelf.tidy() {
             tracing::warn!(%error, "recordings take more than they may");
         }
@@ -149,15 +149,24 @@ impl Shelf {
         &self.disk
     }
 
-    /// Notes the result of a write in the disk. An invalid recording is no error of the disk.
+    /// Notes the result of a write in the disk: where the folder itself is the matter, that. An invalid
+    /// recording is no error of the disk.
     ///
     /// # Errors
-    /// That of the attempt.
+    /// That of the folder, or of the attempt.
     pub fn told<T>(&self, result: Result<T, ShelfError>) -> Result<T, ShelfError> {
-        match &result {
-            Err(error) if !error.is_disk() => result,
-            _ => self.disk.told(DiskPart::Recordings, result),
-        }
+        let result = match result {
+            Err(error) if !error.is_disk() => return Err(error),
+            Err(error) => self.look().and(Err(error)),
+            result => result,
+        };
+        self.disk.told(DiskPart::Recordings, result)
+    }
+
+    /// Looks at the folder, without a write.
+    fn look(&self) -> Result<(), ShelfError> {
+        let looked = self.disk.storage().look(&self.folder, PROBE as u64);
+        looked.map_err(|source| disk(&self.folder, source))
     }
 
     /// The recordings, oldest first.
@@ -333,6 +342,15 @@ impl Shelf {
         let numbered = (2..).map(|count: u32| self.folder.join(format!("{name}-{count}")));
         let mut paths = [self.folder.join(name)].into_iter().chain(numbered);
         paths.find(|path| !path.exists()).unwrap_or_default()
+    }
+
+    /// Looks whether a recording could be made. Only where the look says no does a write decide: free room may
+    /// be reserved for the user of this service.
+    ///
+    /// # Errors
+    /// [`ShelfError::Disk`] where none could be made.
+    pub fn check(&self) -> Result<(), ShelfError> {
+        self.look().or_else(|_| self.probe())
     }
 
     /// Tests for room, by writing as much as a recorded move takes.
