@@ -39,7 +39,7 @@ pub struct Args {
     #[arg(long, value_name = "ADDRESS")]
     pub udp: Option<SocketAddr>,
     /// Ticks a second, Hz, 250 to 4000 [default: 1000].
-    #[arg(long, value_name = "HZ", value_parser = values::positive)]
+    #[arg(long, value_name = "HZ", value_parser = values::positive, allow_negative_numbers = true)]
     pub rate: Option<f64>,
     /// The robot [default: embedded].
     #[arg(long, value_parser = robots())]
@@ -90,7 +90,10 @@ pub fn run(args: Args) -> Result<(), CliError> {
         .enable_all()
         .build()
         .map_err(CliError::failure)?;
-    runtime.block_on(serve(config, demo))
+    let ended = runtime.block_on(serve(config, demo));
+    // All that is to be kept is on the disk. What still runs only reads: a slow medium must not hold the end.
+    runtime.shutdown_background();
+    ended
 }
 
 async fn serve(config: Config, demo: bool) -> Result<(), CliError> {

@@ -10,18 +10,22 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use foxglove::{Context, FoxgloveError, PartialMetadata, RawChannel, Schema};
 use serde::Serialize;
 use serde_json::{Value, json};
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{broadcast, oneshot};
+use tokio::time::timeout;
 
 use super::clock::ServiceClock;
 use super::contract::{Batch, Event, Frame, Handle, KnownMode, ModeValue, MoveResult};
 
 /// Time between two frames of a joint, s: a screen shows every third.
 const INTERVAL: f64 = 0.005;
+/// Most time for the clients to leave when the service ends.
+const FAREWELL: Duration = Duration::from_secs(1);
 
 /// A server that runs until this is dropped.
 pub struct FoxgloveServer {
@@ -194,7 +198,8 @@ async fn serve(
             _ = &mut ended => break,
         }
     }
-    server.stop().wait().await;
+    // A client that does not read its farewell holds nothing.
+    let _ = timeout(FAREWELL, server.stop().wait()).await;
 }
 
 impl View {

@@ -3,8 +3,8 @@
 //! It runs beside the engine, which does not wait for it: a fit takes from a few milliseconds to some tenths of
 //! a second. The tick does not depend on it.
 
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Weak};
 
 use quell_shapers::GridTrain;
 use quell_trajectories::SampledTrajectory;
@@ -190,6 +190,8 @@ pub struct Learners {
     joints: Vec<(Learner, Pupil)>,
     jobs: Receiver<Job>,
     said: Sender<Said>,
+    /// Gone with the engine.
+    engine: Weak<()>,
 }
 
 /// The engine's end of the channels to the learners.
@@ -198,6 +200,8 @@ pub struct Lessons {
     pub jobs: Sender<Job>,
     /// From them.
     pub said: Receiver<Said>,
+    /// Tells them that somebody listens.
+    _listens: Arc<()>,
 }
 
 impl Learners {
@@ -212,19 +216,29 @@ impl Learners {
             }
             (learner, pupil)
         });
+        let listens = Arc::new(());
         let learners = Self {
             joints: joints.collect(),
             jobs: taken,
             said: told,
+            engine: Arc::downgrade(&listens),
         };
         let all = 0..learners.joints.len();
         all.for_each(|joint| learners.tell(joint, &Surroundings::default()));
-        (learners, Lessons { jobs, said })
+        let lessons = Lessons {
+            jobs,
+            said,
+            _listens: listens,
+        };
+        (learners, lessons)
     }
 
-    /// Learns until the engine is gone.
+    /// Learns until the engine is gone; what still waits then is for nobody.
     pub fn run(mut self) {
         while let Ok(job) = self.jobs.recv() {
+            if self.engine.strong_count() == 0 {
+                return;
+            }
             self.do_one(job);
         }
     }
@@ -340,5 +354,19 @@ impl Learners {
             memory: learner.memory(),
             map: Arc::new(map),
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_learned_for_an_engine_that_is_gone() {
+        let (learners, lessons) = Learners::new(Vec::new());
+        // There is no such joint: whoever did this job would break down.
+        lessons.jobs.send(Job::Forget(0)).expect("a listener");
+        drop(lessons);
+        learners.run();
     }
 }

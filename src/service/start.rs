@@ -54,9 +54,9 @@ impl Service {
     }
 
     fn end(&mut self) {
-        // The companions request moves, so they end first.
-        self.companions.clear();
+        // First, so that the robot brakes while the companions say their farewells: their requests are refused from now on.
         self.ending.store(true, Relaxed);
+        self.companions.clear();
         if let Some(engine) = self.engine.take() {
             // If it panicked, that was reported when it did.
             let _ = engine.join();
@@ -142,7 +142,8 @@ fn run(
         let keeper = std::thread::Builder::new()
             .name("quell-state".into())
             .spawn(move || keeper.run())?;
-        let learners = std::thread::Builder::new()
+        // Nobody waits for its end: what is not learned when the engine ends is kept by nobody.
+        std::thread::Builder::new()
             .name("quell-learners".into())
             .spawn(move || learners.run())?;
         std::thread::Builder::new()
@@ -152,7 +153,6 @@ fn run(
                 drop(tick);
                 // The engine and with it the sender are gone: the keeper has written the last state.
                 let _ = keeper.join();
-                let _ = learners.join();
             })
     };
     begin().map_err(|error| system("the engine's thread", error))
@@ -197,4 +197,58 @@ fn reach(config: &Config, clock: &ServiceClock) -> Result<Reached, StartError> {
         udp,
         companion,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::{Sender, channel};
+    use std::time::Duration;
+
+    use super::*;
+    use crate::service::config::Overrides;
+
+    /// Longest that anything here is waited for.
+    const PATIENCE: Duration = Duration::from_secs(60);
+
+    /// A companion that takes long to end: until the robot is being stopped.
+    struct Slow(Handle, Sender<bool>);
+
+    impl Drop for Slow {
+        fn drop(&mut self) {
+            let mut snapshots = self.0.snapshots();
+            let stopping = async {
+                while !snapshots.borrow_and_update().stopping {
+                    if snapshots.changed().await.is_err() {
+                        // The engine has stopped the robot and ended.
+                        return;
+                    }
+                }
+            };
+            let runtime = tokio::runtime::Builder::new_current_thread()
+                .enable_time()
+                .build();
+            let seen = runtime
+                .expect("a runtime")
+                .block_on(async { tokio::time::timeout(PATIENCE, stopping).await.is_ok() });
+            self.1.send(seen).expect("a listener");
+        }
+    }
+
+    #[test]
+    fn the_robot_is_stopped_before_companions_have_ended() {
+        let data = tempfile::tempdir().expect("a folder");
+        let overrides = Overrides {
+            robot: Some(RobotKind::Embedded),
+            data: Some(data.path().to_path_buf()),
+            ..Overrides::default()
+        };
+        let mut config = Config::load(None, &overrides).expect("defaults");
+        config.real_time = false;
+        let mut service = start(config).expect("a service");
+        let (told, seen) = channel();
+        let slow = Slow(service.handle(), told);
+        service.companions.push(Box::new(slow));
+        service.stop();
+        assert_eq!(seen.recv(), Ok(true));
+    }
 }

@@ -53,7 +53,11 @@ impl Telemetry {
             .build()?;
         let thread = std::thread::Builder::new()
             .name("quell-telemetry".into())
-            .spawn(move || runtime.block_on(serve(server, teller, ended)))?;
+            .spawn(move || {
+                runtime.block_on(serve(server, teller, ended));
+                // The search for the server's address may take longer than the service.
+                runtime.shutdown_background();
+            })?;
         Ok(Self {
             ending: Some(ending),
             thread: Some(thread),

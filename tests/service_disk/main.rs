@@ -2,6 +2,7 @@
 
 #[path = "../service_http/client.rs"]
 mod client;
+mod ended;
 mod faulty;
 mod folder;
 mod found_out;
