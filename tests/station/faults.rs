@@ -352,3 +352,55 @@ fn a_robot_whose_clock_is_set_in_motion_is_not_stopped() {
         assert_eq!(first_beyond_limits(&world.sent(), true), None);
     }
 }
+
+/// A robot that drops out in motion and comes back elsewhere, standing or not: nothing is sent to it until it stands, and
+/// then the place where it stands. No request makes it jump.
+#[test]
+fn a_robot_that_comes_back_elsewhere_is_taken_over_where_it_stands() {
+    for (away, coasts) in [(120, 0.0), (120, 0.5), (400, -0.5), (120, 0.1)] {
+        let data = tempfile::tempdir().expect("a folder");
+        let mut world = moving(data.path());
+        (world.robot.silent, world.robot.off) = (true, true);
+        // The watchdog, and the brake and its train.
+        world.steps((WATCHDOG / PERIOD) as usize + away);
+        assert_eq!(state(&world), EnableState::Faulted);
+        let rests = world.last().expect("setpoints").1;
+        assert_eq!(rests.velocity, 0.0);
+        world.robot.silent = false;
+        world.robot.position -= 0.4;
+        let before = world.sent().len();
+        // While it coasts, somebody asks for all there is.
+        for k in 0..if coasts == 0.0 { 0 } else { 150 } {
+            world.robot.position += coasts * PERIOD;
+            if k % 15 == 0 {
+                world.enable();
+                world.go(1.0);
+            }
+            world.step();
+        }
+        // After a long silence its clock is believed by the eighth sample; until then it is told where the command rests.
+        let sent = world.sent().split_off(before);
+        assert!(sent.len() < 8, "{away} {coasts}: {sent:?}");
+        assert!(sent.iter().all(|(_, sent)| *sent == rests), "{sent:?}");
+        let at = world.robot.position;
+        let before = world.sent().len();
+        world.ask(Request::Reset);
+        world.steps(3 * STANDSTILL);
+        let sent = world.sent().split_off(before);
+        assert!(!sent.is_empty(), "{away} {coasts}");
+        let elsewhere = sent
+            .iter()
+            .find(|(_, sent)| sent.position != at || sent.velocity != 0.0);
+        assert_eq!(elsewhere, None, "{away} {coasts}");
+        world.robot.off = false;
+        let before = world.sent().len();
+        world.enable();
+        world.steps(2);
+        world.go(0.2);
+        world.steps(500);
+        let sent = world.sent().split_off(before);
+        assert_eq!(sent[0].1.position, at, "{away} {coasts}");
+        assert_eq!(first_beyond_limits(&sent, true), None, "{away} {coasts}");
+        assert_eq!(world.last().map(|(_, sent)| sent.position), Some(0.2));
+    }
+}

@@ -349,3 +349,48 @@ fn a_joint_that_falls_silent_stops_the_others() {
         );
     }
 }
+
+/// However it ends, a move on a straight line ends on it: none is further on its way than the others, and none goes beyond.
+#[test]
+fn a_move_on_a_straight_line_is_stopped_on_it() {
+    type Ends = fn(&mut Bench);
+    let ends: [Ends; 4] = [
+        |bench| drop(bench.ask(Request::Stop)),
+        |bench| drop(bench.ask(Request::Disable)),
+        |bench| drop(bench.ask(Request::Feed { share: 0.0 })),
+        |bench| bench.arm.lock().expect("no panic").silent = Some(1),
+    ];
+    let targets = [1.5, 0.4, -0.7];
+    for (end, after) in ends
+        .iter()
+        .flat_map(|end| [20, 60, 110].map(|after| (end, after)))
+    {
+        let mut bench = Bench::new();
+        let begun = bench.ask(together(&targets, Some(0.05)));
+        assert!(matches!(begun, Ok(Accepted::Together { .. })), "{begun:?}");
+        bench.steps(after);
+        end(&mut bench);
+        bench.steps(300);
+        let arm = bench.arm.lock().expect("no panic");
+        let mut last = [Setpoint::default(); JOINTS];
+        for (time, joint, setpoint) in &arm.sent {
+            let before = std::mem::replace(&mut last[*joint], *setpoint);
+            let jump = setpoint.position - before.position;
+            assert!(
+                jump.abs() < 1.01 * LIMITS.velocity * PERIOD,
+                "{time}: {jump}"
+            );
+            assert!(setpoint.acceleration.abs() <= LIMITS.acceleration * (1.0 + 1e-9));
+        }
+        for tick in arm.sent.chunks(JOINTS) {
+            let shares = tick
+                .iter()
+                .map(|(_, joint, setpoint)| setpoint.position / targets[*joint]);
+            let shares: Vec<_> = shares.collect();
+            assert!((0.0..1.0).contains(&shares[0]), "after {after}: {tick:?}");
+            let apart = shares.iter().map(|share| (share - shares[0]).abs());
+            assert!(apart.fold(0.0, f64::max) < 1e-9, "after {after}: {tick:?}");
+        }
+        assert!(last.iter().all(|setpoint| setpoint.velocity == 0.0));
+    }
+}

@@ -17,6 +17,7 @@ mod joint;
 mod judging;
 mod learned;
 mod learning;
+mod on_line;
 mod orders;
 mod pacing;
 mod planning;

@@ -156,11 +156,18 @@ impl Engine {
             own,
             fed,
         };
-        let planned = plan(joint, what, &self.planner, self.config.period, at)?;
+        let plan = |at| plan(joint, what, &self.planner, self.config.period, at);
         match what {
-            // It goes no further than the move that it stops.
-            What::Stop => Ok(planned),
-            What::Move { .. } => check_range(joint, &planned.samples).map(|()| planned),
+            // It goes no further than the move that it stops. Whatever becomes of the line, it is stopped.
+            What::Stop => plan(Moment {
+                own: self.braking(index),
+                ..at
+            })
+            .or_else(|_| plan(at)),
+            What::Move { .. } => {
+                let planned = plan(at)?;
+                check_range(joint, &planned.samples).map(|()| planned)
+            }
         }
     }
 
