@@ -301,8 +301,16 @@ enum Rule {
 /// seven periods at most. Nothing waits for planning or learning.
 #[test]
 fn a_first_move_is_longer_by_its_train_and_its_correction() {
-    for (belief, hertz) in [(8.0, 8.0), (10.0, 8.0), (10.0, 9.0), (10.0, 12.0)] {
-        for degrees in [8.0_f64, 15.0, 25.0, 60.0] {
+    let pairs = [
+        (8.0, 8.0),
+        (9.0, 8.0),
+        (10.0, 8.0),
+        (12.0, 8.0),
+        (10.0, 9.0),
+        (10.0, 12.0),
+    ];
+    for (belief, hertz) in pairs {
+        for degrees in [8.0_f64, 15.0, 20.0, 25.0, 32.0, 56.0, 60.0] {
             let mode = PlantMode::new(hertz, 0.03, 1.0);
             let of = |rule| takes(belief, mode, degrees.to_radians(), rule);
             let [[unshaped, _], [fixed, train], [adaptive, _]] =
