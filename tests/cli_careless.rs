@@ -634,3 +634,65 @@ fn a_gap_in_a_move_is_no_impact() {
         "{told}"
     );
 }
+
+/// Numbers that nothing is made for are refused with their option, before anything is planned or written.
+#[test]
+fn absurd_numbers_are_refused_with_option_and_value() {
+    let folder = folder();
+    let zvd = "shape --shaper zvd --mode 8,0.05 --rate";
+    let asked = [
+        (zvd, "--rate", &["1e308", "-1", "0", "NaN", "inf"][..]),
+        (
+            "shape --shaper zvd --rate 1000 --mode",
+            "",
+            &["1e-300,0.05"],
+        ),
+        (
+            "shape --shaper zvd --rate 1000 --mode",
+            "--mode",
+            &["1e308,0.05", "-8,0.05", "8,NaN"],
+        ),
+        (
+            "move --target",
+            "--target",
+            &["1e308", "-1e10", "NaN", "inf"],
+        ),
+        (
+            "move --velocity",
+            "--velocity",
+            &["1e308", "1e-300", "0", "-5", "NaN"],
+        ),
+        (
+            "move --acceleration",
+            "--acceleration",
+            &["1e308", "1e-300", "0", "-5"],
+        ),
+        ("move --jerk", "--jerk", &["1e308", "1e-300", "0", "-5"]),
+        ("simulate --target", "--target", &["1e308", "NaN", "inf"]),
+        ("simulate --dwell", "--dwell", &["-1", "NaN", "inf"]),
+        (
+            "prove --cases",
+            "--cases",
+            &["0", "-1", "1e308", "99999999999999999999"],
+        ),
+        #[cfg(feature = "serve")]
+        (
+            "serve --data data --rate",
+            "rate",
+            &["1e308", "-1", "0", "NaN", "249", "4001"],
+        ),
+    ];
+    for (words, option, values) in asked {
+        for value in values {
+            let arguments: Vec<&str> = words.split(' ').chain([*value]).collect();
+            let (code, said) = told(folder.path(), &arguments);
+            assert_eq!(code, Some(2), "{arguments:?}: {said}");
+            let first = said.lines().next().unwrap_or_default();
+            let named = first.contains(option) && (option.is_empty() || first.contains(value));
+            assert!(named && first.len() < 200, "{arguments:?}: {first}");
+        }
+    }
+    for written in ["out", "data"] {
+        assert!(!folder.path().join(written).exists(), "{written}");
+    }
+}

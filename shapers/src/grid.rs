@@ -124,7 +124,7 @@ impl GridTrain {
             let ticks = impulse.time / sample_time;
             if ticks >= f64::from(u32::MAX) {
                 return Err(ShaperError::TooLong {
-                    ticks: usize::MAX,
+                    ticks: ticks as usize,
                     capacity: u32::MAX as usize,
                 });
             }

@@ -52,7 +52,7 @@ pub struct Args {
         visible_alias = "target-deg",
         value_name = "DEG",
         value_delimiter = ',',
-        value_parser = values::finite,
+        value_parser = values::angle,
         allow_negative_numbers = true
     )]
     pub target: Vec<f64>,
@@ -78,15 +78,15 @@ pub struct Args {
     #[arg(long, default_value = "likelihood", value_parser = choices::estimators())]
     pub estimator: &'static EstimatorEntry,
     /// Limit of the velocity, deg/s [default: the joint's].
-    #[arg(long, value_name = "DEG/S", value_parser = values::positive,
+    #[arg(long, value_name = "DEG/S", value_parser = values::limit,
           allow_negative_numbers = true)]
     pub velocity: Option<f64>,
     /// Limit of the acceleration, deg/s^2 [default: the joint's].
-    #[arg(long, value_name = "DEG/S^2", value_parser = values::positive,
+    #[arg(long, value_name = "DEG/S^2", value_parser = values::limit,
           allow_negative_numbers = true)]
     pub acceleration: Option<f64>,
     /// Limit of the jerk, deg/s^3 [default: the joint's].
-    #[arg(long, value_name = "DEG/S^3", value_parser = values::positive,
+    #[arg(long, value_name = "DEG/S^3", value_parser = values::limit,
           allow_negative_numbers = true)]
     pub jerk: Option<f64>,
     /// Adds the move as fast as it may be when it leaves so much vibration, percent of the unshaped.

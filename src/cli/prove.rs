@@ -37,7 +37,7 @@ model and one recording. The truth is read after the last diagnosis. DIR holds c
 case-00/train/, case-00/test/, ... and truth.json; --keep DIR writes such a folder.")]
 pub struct Args {
     /// How many cases to make.
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = values::count::<u64>)]
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = values::count::<u64>, allow_negative_numbers = true)]
     cases: u64,
     /// The seed; the same seed makes the same cases.
     #[arg(long, value_name = "S", default_value_t = 1)]

@@ -132,6 +132,7 @@ fn design(args: &Args) -> Result<Design, CliError> {
     let known = known(args, &told)?;
     let modes = told.iter().map(|told| told.mode).collect();
     let train = design_for_all(args.shaper, &known).map_err(CliError::input)?;
+    check_length(&train, args.rate)?;
     let grid = shaping::train(args.shaper, known, 1.0 / args.rate)
         .map_err(|error| CliError::input(format!("at {} Hz: {error}", plain(args.rate))))?;
     Ok(Design {
@@ -140,6 +141,18 @@ fn design(args: &Args) -> Result<Design, CliError> {
         train,
         grid,
     })
+}
+
+/// Refuses a rate at which no filter holds the train.
+fn check_length(train: &ImpulseTrain, rate: f64) -> Result<(), CliError> {
+    let (duration, most) = (train.duration(), shaping::LONGEST_TRAIN as f64);
+    if duration * rate <= most {
+        return Ok(());
+    }
+    let [rate, duration, most] = [rate, duration, most].map(plain);
+    Err(CliError::input(format!(
+        "--rate {rate}: a train of {duration} s has more than {most} samples then"
+    )))
 }
 
 /// The modes with their given uncertainty, or what their source tells of it.

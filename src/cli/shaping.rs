@@ -11,7 +11,7 @@ use crate::controller::{SlowedPlan, plan_shaped};
 use crate::tolerance::Tolerance;
 
 /// The longest allowed train, ticks: 48 MB of delay line, 17 minutes at 1 kHz.
-const LONGEST_TRAIN: usize = 1_000_000;
+pub const LONGEST_TRAIN: usize = 1_000_000;
 
 /// Share of a limit by which a command at its limit may seem to exceed it: rounding of velocities and
 /// accelerations by the planner, and of differences over one tick.

@@ -58,7 +58,7 @@ pub struct Args {
         long,
         visible_alias = "target-deg",
         value_name = "DEG",
-        value_parser = values::finite,
+        value_parser = values::angle,
         allow_negative_numbers = true
     )]
     pub target: Vec<f64>,

@@ -29,6 +29,24 @@ pub fn positive(text: &str) -> Result<f64, String> {
     checked(text, holds, "a finite number above 0")
 }
 
+/// The largest angle or limit, deg and deg/s^n: no joint turns so far or so fast, and planners take it.
+const LARGEST: f64 = 1e9;
+
+/// An angle, deg.
+pub fn angle(text: &str) -> Result<f64, String> {
+    checked(
+        text,
+        |value| value.abs() <= LARGEST,
+        "a number of degrees within +-1e9",
+    )
+}
+
+/// A limit of a motion, deg/s, deg/s^2 or deg/s^3: a joint with a smaller one does not move.
+pub fn limit(text: &str) -> Result<f64, String> {
+    let holds = |value: f64| (1.0 / LARGEST..=LARGEST).contains(&value);
+    checked(text, holds, "a number from 1e-9 to 1e9")
+}
+
 /// A finite number, 0 or more.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     let holds = |value: f64| value.is_finite() && value >= 0.0;

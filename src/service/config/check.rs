@@ -1,7 +1,7 @@
 //! Checks of single values of the configuration.
 
 use super::ConfigError;
-use crate::recording::{one_of, toml_line};
+use crate::recording::{one_of, plain, toml_line};
 
 /// Checks values. Errors name `origin`, and the line of the key in `text`.
 #[derive(Clone, Copy)]
@@ -54,7 +54,7 @@ impl<'a> Check<'a> {
     pub fn positive(&self, key: &str, value: f64, most: f64) -> Result<f64, ConfigError> {
         match value > 0.0 && value <= most {
             true => Ok(value),
-            false => Err(self.refuse(key, value, format!("above 0 and at most {most:e}"))),
+            false => Err(self.refuse(key, plain(value), format!("above 0 and at most {most:e}"))),
         }
     }
 
@@ -62,7 +62,7 @@ impl<'a> Check<'a> {
     pub fn within(&self, key: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, ConfigError> {
         match (low..=high).contains(&value) {
             true => Ok(value),
-            false => Err(self.refuse(key, value, format!("from {low} to {high}"))),
+            false => Err(self.refuse(key, plain(value), format!("from {low} to {high}"))),
         }
     }
 }
