@@ -15,8 +15,11 @@ use quell::service::recorder::{Recorder, Shelf};
 use super::moves::a_move;
 use super::{BOUNDS, check_recording, names};
 
+/// Something that happens to a folder, which goes to another place.
+type Happens = fn(&Path, &Path);
+
 /// What happens to a folder of recordings, and what is told of it.
-const HAPPENS: [(fn(&Path, &Path), &str); 2] = [
+const HAPPENS: [(Happens, &str); 2] = [
     (taken_away, "the folder is gone"),
     (made_a_file, "it is a file, and a folder is needed"),
 ];
