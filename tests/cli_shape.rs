@@ -271,7 +271,7 @@ fn bad_input_is_refused_with_its_place() {
     );
     refused(&mut with("0", &[]), &["above 0"]);
     refused(&mut with("10", &[]), &["error: "]);
-    refused(&mut with("1e8", &[]), &["holds 1000000"]);
+    refused(&mut with("1e8", &[]), &["more than 1000000 samples"]);
     refused(
         &mut shape(&["--shaper", "zz", "--mode", "8,0", "--rate", "250"]),
         &["zvdd"],
