@@ -308,6 +308,40 @@ fn a_sign_or_a_unit_that_is_wrong_is_told_as_that() {
     }
 }
 
+/// A gear, a unit or a sign that the manifest forgets is asked about where the motor side never rests, and is no physics.
+#[test]
+fn a_gear_is_told_in_motion_too() {
+    let folder = folder();
+    let here = folder.path();
+    let w = 16.0 * std::f64::consts::PI;
+    let tones =
+        |t: f64| 0.5 * (2.2 * t).sin() + 0.2 * (5.0 * t + 1.0).sin() + 0.1 * (10.7 * t).sin();
+    let rows = follows(tones, |off, rate, _| w * w * off + 0.06 * w * rate);
+    let diagnose = [
+        "diagnose",
+        "--model",
+        "model.toml",
+        "run.csv",
+        "--out",
+        "out",
+    ];
+    for (scales, ratio) in [
+        ([1.0, -1.0], "-1"),
+        ([50.0, 1.0], "0.02"),
+        ([-1.0, 50.0], "-50"),
+    ] {
+        let bytes = file(SIDES, &rows, |_, [u, y]| [scales[0] * u, scales[1] * y]);
+        std::fs::write(here.join("run.csv"), bytes).unwrap();
+        let words =
+            format!("in slow motion link_position moves {ratio} times as far as motor_position");
+        refused(here, &diagnose, &words);
+        refused(here, &["identify", "run.csv"], &words);
+    }
+    // A scale that is wrong by half may be the sensor's: it is physics, and nothing is exchanged.
+    let scaled = identified(here, &file(SIDES, &rows, |_, [u, y]| [1.5 * u, y]));
+    assert!(!scaled.contains("exchanged"), "{scaled}");
+}
+
 /// Columns that are exchanged are told as that, by each verb: the shaper of such a fit would be for no mode of the machine.
 #[test]
 fn exchanged_columns_are_told_as_that() {
@@ -400,10 +434,9 @@ fn each_kind_of_model_is_listed_once() {
     assert_eq!(said.matches("oscillator").count(), 1, "{said}");
 }
 
-/// Time, motor side and link at 500 Hz. The link goes by small steps of its law: its acceleration for what it is behind the motor
-/// side, the rate of that, and its own rate.
+/// Time, motor side and link at 500 Hz, with three moves and rests between them. The link goes by its law: its acceleration for
+/// what it is behind the motor side, the rate of that, and its own rate.
 fn driven(law: impl Fn(f64, f64, f64) -> f64) -> Vec<[f64; 3]> {
-    let (steps, rate) = (40, 500.0);
     let moves = [(0.5, 0.25, 0.5), (2.0, 0.25, -0.7), (3.5, 0.3, 0.9)];
     let motor = |t: f64| -> f64 {
         let gone = |(at, span, by): (f64, f64, f64)| {
@@ -412,7 +445,13 @@ fn driven(law: impl Fn(f64, f64, f64) -> f64) -> Vec<[f64; 3]> {
         };
         moves.into_iter().map(gone).sum()
     };
-    let (mut y, mut v, mut rows) = (0.0, 0.0, Vec::new());
+    follows(motor, law)
+}
+
+/// The same on any motion of the motor side, by small steps.
+fn follows(motor: impl Fn(f64) -> f64, law: impl Fn(f64, f64, f64) -> f64) -> Vec<[f64; 3]> {
+    let (steps, rate) = (40, 500.0);
+    let (mut y, mut v, mut rows) = (motor(0.0), 0.0, Vec::new());
     for k in 0..2500 {
         let step = 1.0 / (rate * f64::from(steps));
         for j in 0..steps {

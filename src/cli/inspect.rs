@@ -12,7 +12,7 @@ use crate::recording::health::{Health, health, remarks};
 use crate::recording::{
     Channel, MANIFEST, McapFile, Recording, is_csv, mcap_and_joint, plain as short,
 };
-use crate::signal::{Direction, Hangs, StaticRatio};
+use crate::signal::{Contradiction, Hangs};
 use document::document;
 use joints::Joints;
 use serde_json::{Value, json};
@@ -257,14 +257,13 @@ fn column_names(channel: &Channel) -> Vec<String> {
 /// Remarks on what the channels contradict each other in.
 fn together(recording: &Recording) -> Vec<String> {
     let all = overlap(recording).into_iter();
-    // What a sensor shows that hangs says nothing of ratio and direction.
+    // What a sensor shows that hangs contradicts nothing.
     let hangs = Hangs::of(recording);
     let told = hangs.as_ref().map(Hangs::contradiction);
     let moving = hangs.map(|hangs| recording.within(hangs.intact(recording)));
     let recording = moving.as_ref().unwrap_or(recording);
-    let ratio = StaticRatio::of(recording).and_then(|ratio| ratio.contradiction());
-    let direction = Direction::of(recording).and_then(|own| own.contradiction());
-    all.chain(told).chain(ratio).chain(direction).collect()
+    let mistake = Contradiction::of(recording).map(|own| own.words);
+    all.chain(told).chain(mistake).collect()
 }
 
 /// A remark if the channels have no time in common.

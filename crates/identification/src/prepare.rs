@@ -10,7 +10,7 @@ use quell_model::unify_gain;
 use quell_recording::health::quantum;
 use quell_recording::{Recording, Role};
 use quell_signal::{
-    ArcRegistration, Direction, Hangs, JointArc, StaticRatio, TipRegistration, recorded_deformation,
+    ArcRegistration, Contradiction, Hangs, JointArc, TipRegistration, recorded_deformation,
 };
 
 /// An aligned series, and how it was obtained.
@@ -50,10 +50,8 @@ pub fn prepare(
     if let Some(hangs) = &hangs {
         recording = recording.within(hangs.intact(&recording));
     }
-    let ratio = StaticRatio::of(&recording).and_then(|own| own.contradiction());
-    let direction = || Direction::of(&recording)?.contradiction();
-    if let Some(words) = ratio.or_else(direction) {
-        return Err(IdentificationError::Contradiction(words));
+    if let Some(mistake) = Contradiction::of(&recording) {
+        return Err(IdentificationError::Contradiction(mistake.words));
     }
     let motor_side = motor_side::provide(&mut recording)?;
     for channel in &mut recording.channels {

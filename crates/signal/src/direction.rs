@@ -6,10 +6,10 @@ use nalgebra::{Matrix3, Vector3};
 use quell_recording::{Channel, Recording, Role, plain, range};
 
 /// Samples in the shortest window, and windows that the longest one leaves.
-const SHORTEST: usize = 8;
-const FEWEST: usize = 8;
+pub(super) const SHORTEST: usize = 8;
+pub(super) const FEWEST: usize = 8;
 /// Windows that overlap at a sample.
-const OVERLAP: usize = 4;
+pub(super) const OVERLAP: usize = 4;
 /// Difference of the Bayesian information criterion that is very strong evidence (Kass and Raftery, J. American
 /// Statistical Association 90 (1995)).
 const STRONG: f64 = 10.0;
@@ -35,7 +35,8 @@ pub struct Direction {
     /// `c` as written and exchanged, 1/s.
     pub damping: [f64; 2],
     /// Difference of the information criteria, `n ln(s_written / s_exchanged)`: `s` is the share of the acceleration that
-    /// is left, `n` the number of windows that do not overlap.
+    /// is left, `n` the number of windows that do not overlap. Where the gain of the link is certain, `s_written` is the least one
+    /// with and without it.
     pub evidence: f64,
     /// How many times as far as the link the motor side moves: the ratio of both ranges.
     pub travel: f64,
@@ -51,10 +52,14 @@ impl Direction {
             return None;
         }
         let series = Series::of(motor.clone(), link.clone())?;
+        let scaled = series.certain_gain().map(|gain| Series {
+            link: series.link.iter().map(|value| value / gain.ratio).collect(),
+            ..series.clone()
+        });
         let most = series.time.len() / FEWEST;
         let widths = std::iter::successors(Some(SHORTEST), |width| Some(2 * width));
         let fits = widths.take_while(|width| *width <= most);
-        fits.filter_map(|width| series.fit(width))
+        fits.filter_map(|width| series.fit(width, scaled.as_ref()))
             .max_by(|a, b| a.evidence.abs().total_cmp(&b.evidence.abs()))
     }
 
@@ -89,6 +94,7 @@ impl Direction {
 }
 
 /// Both positions at the stamps of the link.
+#[derive(Clone)]
 pub(super) struct Series {
     pub time: Vec<f64>,
     pub motor: Vec<f64>,
@@ -116,15 +122,14 @@ impl Series {
     }
 
     /// The fits of both directions in windows of so many samples.
-    fn fit(&self, width: usize) -> Option<Direction> {
-        let duration = self.time.last()? - self.time.first()?;
-        let usual = duration / (self.time.len() - 1) as f64 * width as f64;
-        let starts = (0..self.time.len() - width).step_by(width / OVERLAP);
-        let whole = |at: &usize| self.time[at + width] - self.time[*at] <= GAP * usual;
-        let rows: Vec<Row> = starts.filter(whole).map(|at| self.row(at, width)).collect();
+    fn fit(&self, width: usize, scaled: Option<&Series>) -> Option<Direction> {
+        let rows = self.rows(width)?;
         let (written, exchanged) = (law(&rows, 1, -1.0)?, law(&rows, 0, 1.0)?);
+        // A scale that is wrong is no exchange: what it explains speaks for the columns as they are written.
+        let scaled = scaled.and_then(|own| law(&own.rows(width)?, 1, -1.0));
+        let left = scaled.map_or(written.1, |(_, left)| left.min(written.1));
         let apart = rows.len() as f64 / OVERLAP as f64;
-        let evidence = apart * (written.1 / exchanged.1).ln();
+        let evidence = apart * (left / exchanged.1).ln();
         (apart >= FEWEST as f64 / 2.0 && evidence.is_finite()).then_some(Direction {
             stiffness: [written.0[0], exchanged.0[0]],
             damping: [written.0[1], exchanged.0[1]],
@@ -133,22 +138,43 @@ impl Series {
         })
     }
 
-    /// The integrals of a window, by the trapezoidal rule; those of derivatives are moved to the window.
-    fn row(&self, at: usize, width: usize) -> Row {
+    fn rows(&self, width: usize) -> Option<Vec<Row>> {
+        let starts = self.starts(width)?;
+        Some(starts.into_iter().map(|at| self.row(at, width)).collect())
+    }
+
+    /// Where windows of so many samples begin, without those that have a gap.
+    pub(super) fn starts(&self, width: usize) -> Option<Vec<usize>> {
+        let duration = self.time.last()? - self.time.first()?;
+        let usual = duration / (self.time.len() - 1) as f64 * width as f64;
+        let starts = (0..self.time.len() - width).step_by(width / OVERLAP);
+        let whole = |at: &usize| self.time[at + width] - self.time[*at] <= GAP * usual;
+        Some(starts.filter(whole).collect())
+    }
+
+    /// The window that begins at a sample, its first and second derivative at another one, in half its spans, each times the
+    /// step there in half its spans: an integral by the trapezoidal rule is a sum with these.
+    pub(super) fn window(&self, at: usize, width: usize, k: usize) -> [f64; 3] {
         let (first, last) = (self.time[at], self.time[at + width]);
         let half = 0.5 * (last - first);
+        let step = 0.5 * (self.time[k + 1] - self.time[k - 1]) / half;
+        let s = (self.time[k] - first) / half - 1.0;
+        let g = 1.0 - s * s;
+        let twice = 48.0 * s * s * g.powi(2) - 8.0 * g.powi(3);
+        [g.powi(4), -8.0 * s * g.powi(3), twice].map(|value| value * step)
+    }
+
+    /// The integrals of a window; those of derivatives are moved to the window.
+    fn row(&self, at: usize, width: usize) -> Row {
+        let half = 0.5 * (self.time[at + width] - self.time[at]);
         let mut row = Row::default();
         for k in at + 1..at + width {
-            let step = 0.5 * (self.time[k + 1] - self.time[k - 1]) / half;
-            let s = (self.time[k] - first) / half - 1.0;
-            let g = 1.0 - s * s;
-            let once = -8.0 * s * g.powi(3) / half;
-            let twice = (48.0 * s * s * g.powi(2) - 8.0 * g.powi(3)) / half.powi(2);
+            let [window, once, twice] = self.window(at, width, k);
+            let (once, twice) = (once / half, twice / half.powi(2));
             let deformation = self.link[k] - self.motor[k];
-            row.joint +=
-                Vector3::new(g.powi(4) * deformation, -once * deformation, g.powi(4)) * step;
-            row.accelerations[0] += twice * (self.motor[k] - self.motor[at]) * step;
-            row.accelerations[1] += twice * (self.link[k] - self.link[at]) * step;
+            row.joint += Vector3::new(window * deformation, -once * deformation, window);
+            row.accelerations[0] += twice * (self.motor[k] - self.motor[at]);
+            row.accelerations[1] += twice * (self.link[k] - self.link[at]);
         }
         row
     }

@@ -3,6 +3,7 @@
 pub mod alignment;
 pub mod arc_registration;
 pub mod clock_offset;
+pub mod contradiction;
 pub mod deformation;
 pub mod description;
 pub mod direction;
@@ -17,6 +18,7 @@ pub mod kinematics;
 pub mod measurement;
 pub mod noise;
 pub mod polynomial;
+pub mod ratio_in_motion;
 pub mod registration;
 pub mod rest;
 pub mod singular_values;
@@ -29,6 +31,7 @@ pub mod urdf;
 pub use alignment::{Aligned, Aligner, Clock};
 pub use arc_registration::{ArcRegistration, register_arc};
 pub use clock_offset::{ClockFit, fit_clock_offset};
+pub use contradiction::Contradiction;
 pub use deformation::{
     DeformationSample, DeformationSensor, RecordedDeformation, deformation, recorded_deformation,
     tip_deformation,

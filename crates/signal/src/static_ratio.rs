@@ -1,5 +1,6 @@
-//! How far the link moves for each unit that the motor side moves, from rest to rest.
+//! How far the link moves for each unit that the motor side moves, from rest to rest or in motion.
 
+use super::direction::Series;
 use super::rest::{Motion, RestRule, phases};
 use core::f64::consts::TAU;
 use quell_recording::{Channel, Recording, Role, plain, range};
@@ -10,16 +11,18 @@ const DEGREES: f64 = 180.0 / core::f64::consts::PI;
 /// arm may be wrong.
 const NEAR: f64 = 0.1;
 /// Share of a ratio that its standard deviation may be at most: three of them stay within [`NEAR`].
-const CERTAIN: f64 = NEAR / 3.0;
-/// Factor from which a ratio is no error of a scale.
+pub(super) const CERTAIN: f64 = NEAR / 3.0;
+/// Factor from which a ratio is no error of a scale: what the catalogue's effects do to a static gain stays below it (a load of
+/// gravity some percent, a sensor's gain a tenth as a rule).
 pub(super) const FAR: f64 = 2.0;
 /// Lowest number of samples of the link in a rest.
 const FEWEST: usize = 4;
 
-/// The slope of the link's position over that of the motor side, both at rest.
+/// The slope of the link's position over that of the motor side, both at rest or in slow motion.
 ///
 /// A joint at rest is not deformed by its motion, however elastic it is: the slope is 1 for sensors that both measure
-/// the joint's motion. A load that depends on the pose changes it by the sag, a few percent.
+/// the joint's motion. A load that depends on the pose changes it by the sag, a few percent. Without two rests the
+/// slope is the gain of the link's law ([`Gain`](super::ratio_in_motion::Gain)), which motion below the mode shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaticRatio {
     /// The slope.
@@ -28,6 +31,8 @@ pub struct StaticRatio {
     pub std: f64,
     /// Where the motor side's motion is from.
     pub motor_side: Role,
+    /// Whether it is from motion, as there are no two rests.
+    pub is_in_motion: bool,
 }
 
 /// What is wrong with the sensors of a link that does not go as far as its motor side.
@@ -45,7 +50,7 @@ pub enum Mistake {
 
 impl StaticRatio {
     /// The ratio of a recording. `None` without a `link_position` and a `motor_position` or `command_position` of one
-    /// dimension, without two rests apart, or where the motion within the rests hides it.
+    /// dimension, or with neither two rests apart nor a motor side whose motion tells it.
     pub fn of(recording: &Recording) -> Option<Self> {
         let varies = |role: &Role| recording.channel(*role).is_some_and(Channel::varies);
         let roles = [Role::MotorPosition, Role::CommandPosition];
@@ -61,18 +66,30 @@ impl StaticRatio {
                 channel.unwrap_turns();
             }
         }
-        let rests = rests(&motor, &link)?;
-        line(&rests).map(|(ratio, std)| Self {
+        let told = |(ratio, std), is_in_motion| Self {
             ratio,
             std,
             motor_side,
-        })
+            is_in_motion,
+        };
+        let at_rest = rests(&motor, &link).and_then(|rests| line(&rests));
+        let at_rest = at_rest.map(|line| told(line, false));
+        // A command leads the motor side by the servo, which is no joint.
+        let moves = || {
+            let gain = Series::of(motor, link)?.certain_gain()?;
+            (motor_side == Role::MotorPosition).then(|| told((gain.ratio, gain.std), true))
+        };
+        at_rest.filter(Self::is_certain).or_else(moves)
+    }
+
+    fn is_certain(&self) -> bool {
+        self.std <= CERTAIN * self.ratio.abs()
     }
 
     /// The mistake that the ratio tells for certain; `None` for a link that follows its motor side.
     pub fn mistake(&self) -> Option<Mistake> {
         let size = self.ratio.abs();
-        if self.std > CERTAIN * size {
+        if !self.is_certain() || !is_mistake(self.ratio) {
             return None;
         }
         let is = |other: f64| (size / other - 1.0).abs() < NEAR;
@@ -81,8 +98,7 @@ impl StaticRatio {
             _ if is(DEGREES) => Some(Mistake::DegreesOfLink(sign)),
             _ if is(DEGREES.recip()) => Some(Mistake::DegreesOfMotorSide(sign)),
             true if is(1.0) => Some(Mistake::Sign),
-            true => Some(Mistake::Scale),
-            false => (!(FAR.recip()..FAR).contains(&size)).then_some(Mistake::Scale),
+            _ => Some(Mistake::Scale),
         }
     }
 
@@ -108,9 +124,18 @@ impl StaticRatio {
                      [[channel]] of {motor} if it is measured before the gear"
                 ),
             };
-            format!("from rest to rest link_position moves {ratio} times as far as {motor}: {why}")
+            let when = match self.is_in_motion {
+                true => "in slow motion",
+                false => "from rest to rest",
+            };
+            format!("{when} link_position moves {ratio} times as far as {motor}: {why}")
         })
     }
+}
+
+/// Whether no scale and no physics of a joint gives a ratio.
+pub(super) fn is_mistake(ratio: f64) -> bool {
+    !(FAR.recip()..FAR).contains(&ratio)
 }
 
 /// Three digits.

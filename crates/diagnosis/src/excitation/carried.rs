@@ -5,7 +5,7 @@ use super::words::{figure, still};
 use crate::error::DiagnosisError;
 use quell_model::Model;
 use quell_recording::{Channel, Recording, Role};
-use quell_signal::{Direction, Hang, Hangs, StaticRatio};
+use quell_signal::{Contradiction, Hang, Hangs};
 
 /// Fewest samples for an estimate of the noise: five third differences, whose median is taken.
 const NOISE: usize = 8;
@@ -111,23 +111,16 @@ fn follows(
             |run: &Hang| run.role != Role::Deformation && input.role == Role::MotorPosition;
         hangs.runs.iter().any(of_two).then(|| hangs.contradiction())
     };
-    let ratio = || {
-        let ratio = StaticRatio::of(recording).filter(|ratio| ratio.motor_side == input.role);
-        ratio.and_then(|ratio| ratio.contradiction())
+    let mistake = || {
+        let own = Contradiction::of(recording)?;
+        (own.motor_side == input.role).then_some(own.words)
     };
-    let direction = || match input.role {
-        Role::MotorPosition => Direction::of(recording)?.contradiction(),
-        _ => None,
-    };
-    hangs()
-        .or_else(ratio)
-        .or_else(direction)
-        .map_or(Ok(()), |words| {
-            Err(DiagnosisError::Contradiction {
-                recording: recording.name.clone(),
-                words,
-            })
+    hangs().or_else(mistake).map_or(Ok(()), |words| {
+        Err(DiagnosisError::Contradiction {
+            recording: recording.name.clone(),
+            words,
         })
+    })
 }
 
 /// Whether neither the input nor any output varies.
