@@ -21,7 +21,7 @@ def residual(outputs):
 
 def shapers(outputs):
     """Robustness of each shaper of `quell compare`."""
-    head = ["shaper", "delay, s", "I(5 %)", "V at -25 %", "-10 %", "0 %", "+10 %", "+25 %", "sum of \\|A\\|"]
+    head = ["shaper", "delay, s", "band of V <= 5 %", "V at -25 %", "-10 %", "0 %", "+10 %", "+25 %", "sum of \\|A\\|"]
     lines = below(outputs[0], "V at -25 %")
     rows = [split(line) for line in lines]
     # Without the worst for 95 % of the machines, which depends on what is known of the mode.
