@@ -62,11 +62,11 @@ function drawMap() {
   if (!points.length) return $("map").replaceChildren();
   const ends = (values) => [Math.min(...values), Math.max(...values)];
   const [from, to] = ends([...points.map((at) => at.position_rad), ...map.modes.flatMap((mode) => mode.moves.flatMap((move) => [move.from_rad, move.to_rad]))]);
-  const most = 1.1 * Math.max(...points.map((at) => at.frequency_hz + 2 * at.frequency_std_hz));
+  const [least, most] = around(points);
   const x = (position) => LEFT + ((position - from) / Math.max(to - from, 1e-9)) * (width - LEFT - 14);
-  const y = (hertz) => (HEIGHT - BELOW) * (1 - hertz / most) + 6;
+  const y = (hertz) => (HEIGHT - BELOW) * (1 - (hertz - least) / (most - least)) + 6;
   const svg = make("svg", { width, height: HEIGHT, role: "img", "aria-label": `Frequencies of ${map.modes.length} modes from ${degrees(from)} to ${degrees(to)} degrees` });
-  for (const hertz of ticks(most)) {
+  for (const hertz of ticks(least, most)) {
     svg.append(make("line", { class: "grid", x1: LEFT, x2: width, y1: y(hertz), y2: y(hertz) }), make("text", { x: LEFT - 8, y: y(hertz) + 4, "text-anchor": "end" }, String(hertz)));
   }
   for (let k = 0; k < 5; k++) {
@@ -84,10 +84,19 @@ function drawMap() {
   $("map").replaceChildren(svg);
 }
 
-/** Round numbers from 0 to the most. */
-function ticks(most) {
-  const step = [1, 2, 5, 10, 20, 50, 100, 200].find((one) => most / one <= 6) ?? 500;
-  return Array.from({ length: Math.floor(most / step) + 1 }, (_, k) => k * step);
+/** The ends of the axis of frequency: those of the bands, and a tenth more, or a fiftieth of the frequency where that is more. */
+function around(points) {
+  const low = Math.min(...points.map((at) => at.frequency_hz - 2 * at.frequency_std_hz));
+  const high = Math.max(...points.map((at) => at.frequency_hz + 2 * at.frequency_std_hz));
+  const more = Math.max(0.1 * (high - low), 0.02 * high);
+  return [Math.max(low - more, 0), high + more];
+}
+
+/** Round numbers from the least to the most. */
+function ticks(least, most) {
+  const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200].find((one) => (most - least) / one <= 6) ?? 500;
+  const [first, last] = [Math.ceil(least / step), Math.floor(most / step)];
+  return Array.from({ length: last - first + 1 }, (_, k) => Number(((first + k) * step).toFixed(1)));
 }
 
 /** Has the button forget what was learned of the joint that is shown. */

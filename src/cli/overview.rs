@@ -52,11 +52,20 @@ impl Told {
         self.verdict == Verdict::NotExcited
     }
 
-    /// The missing physics, or the answer without any.
+    /// The missing physics, or the answer without any, as short as a cell of a table: its report has the figures.
     fn found(&self) -> String {
-        match self.missing.is_empty() {
-            true => self.summary.clone(),
-            false => self.missing.join(" + "),
+        match (self.missing.as_slice(), self.verdict) {
+            ([], Verdict::NoMismatch) => "nothing".into(),
+            ([], _) => self.summary.split(": ").next().unwrap_or_default().into(),
+            (own, _) => own.join(" + "),
+        }
+    }
+
+    /// A misfit to three digits; none where it has no meaning.
+    fn misfit(&self, value: f64) -> f64 {
+        match self.is_silent() {
+            true => f64::NAN,
+            false => digits(value, 3),
         }
     }
 
@@ -192,8 +201,8 @@ impl Overview {
                     name,
                     told.verdict.name().replace('_', " ").into(),
                     told.found().into(),
-                    digits(told.before, 3).into(),
-                    digits(told.after, 3).into(),
+                    told.misfit(told.before).into(),
+                    told.misfit(told.after).into(),
                 ]),
                 Err(why) => table.row([name, "set aside".into(), why.clone().into()]),
             };

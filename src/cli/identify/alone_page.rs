@@ -30,7 +30,7 @@ pub fn page(all: &[Alone], tuned: &[Tuned]) -> Page {
         };
         let sentence = match &first.advice {
             _ if !tuned.is_empty() => tuned.iter().map(of_axis).collect::<Vec<_>>().join(" "),
-            Some(advice) => first.recommended(advice),
+            Some(advice) => format!("Recommended shaper: {}", first.recommended(advice)),
             None => "No shaper can be designed for these modes.".into(),
         };
         let std = number(

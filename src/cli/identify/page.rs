@@ -80,12 +80,28 @@ fn headline(page: Page, findings: &Findings, best: &Recommended) -> Page {
     }
     if let Some(fit) = findings.found.reference().batch() {
         let off = 100.0 * (mode.hertz() / fit.mode.hertz() - 1.0);
-        let figure = Figure::new("off-line fit", fit.mode.hertz(), "Hz");
+        let figure = Figure::text("off-line fit", beside(fit.mode.hertz(), hertz_std)).unit("Hz");
         let side = if off > 0.0 { "above" } else { "below" };
-        let note = format!("the recommended is {} % {side}", fixed(off.abs(), 2));
+        let note = match off.abs() < 0.01 {
+            true => "the recommended agrees within 0.01 %".into(),
+            false => format!("the recommended is {} % {side}", fixed(off.abs(), 2)),
+        };
         page = page.figure(figure.note(note));
     }
     page
+}
+
+/// A static gain with its standard deviation, where the method has one; most are too small for a row of decimals.
+fn gain_quoted(estimate: Estimate) -> String {
+    let Estimate { gain, gain_std, .. } = estimate;
+    match gain_std.is_finite() && gain_std > 0.0 {
+        true => format!(
+            "{}\u{a0}±\u{a0}{}",
+            significant(gain, 2),
+            two_digits(gain_std)
+        ),
+        false => significant(gain, 2),
+    }
 }
 
 /// A standard deviation as it is quoted: to two digits.
@@ -117,13 +133,14 @@ fn on_line(findings: &Findings) -> Table {
             with_std(e.map(|e| e.mode.hertz()), std.map(|std| std[0] / TAU));
         let [damping, damping_std] =
             with_std(e.map(|e| e.mode.damping_ratio()), std.map(|std| std[1]));
+        let gain = e.map_or_else(|| number(f64::NAN), gain_quoted);
         table = table.row([
             line.name.into(),
             frequency.into(),
             frequency_std.into(),
             damping.into(),
             damping_std.into(),
-            e.map(|e| e.gain).into(),
+            gain.into(),
             result
                 .and_then(|r| r.converged_at)
                 .map_or_else(|| number(f64::NAN), |at| fixed(at, 3))

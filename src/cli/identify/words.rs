@@ -231,12 +231,16 @@ fn contradictions(best: &Recommended) -> Option<String> {
             "The free decays agree: the motion shows more than this mode, or the sensors' clocks differ",
         ),
     };
-    (frequency > 0.0 || damping > 0.0).then(|| {
+    let hertz = frequency / core::f64::consts::TAU;
+    let parts = [(hertz, " Hz"), (damping, " in the damping ratio")];
+    let parts = parts.into_iter().filter(|(by, _)| *by > 0.0);
+    let parts: Vec<String> = parts
+        .map(|(by, of)| format!("by {}{of}", figure(by)))
+        .collect();
+    (!parts.is_empty()).then(|| {
         format!(
-            "{what} by more than the standard deviations: by {} Hz, and by {} in the damping ratio. The standard deviations \
-             above include this. {why}.",
-            figure(frequency / core::f64::consts::TAU),
-            figure(damping),
+            "{what} by more than the standard deviations: {}. The standard deviations above include this. {why}.",
+            parts.join(", and ")
         )
     })
 }

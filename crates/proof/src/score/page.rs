@@ -19,15 +19,21 @@ impl Score {
     pub fn page(&self, subtitle: &str) -> Page {
         let judgements = self.cases.iter().map(|case| &case.judgement);
         let right = judgements.fold(Rate::default(), |rate, j| rate.and(j.is_right()));
-        let sign = if right.percent() >= GOOD {
-            Verdict::Good
-        } else {
-            Verdict::Bad
+        let missed = self.missed();
+        let sign = match (right.percent() >= GOOD, missed.is_empty()) {
+            (true, true) => Verdict::Good,
+            (true, false) => Verdict::Plain,
+            (false, _) => Verdict::Bad,
         };
         let sentence = format!(
-            "Right in {} of {} concealed cases. Right means: the family of what is hidden is named, nothing is told where \
+            "Right in {} of {} concealed cases{}. Right means: the family of what is hidden is named, nothing is told where \
              nothing is hidden, and the mismatch is left open where the catalogue does not hold its cause.",
-            right.right, right.of
+            right.right,
+            right.of,
+            match missed.as_slice() {
+                [] => String::new(),
+                own => format!("; missed aim: {}", own.join(", ")),
+            }
         );
         let page = Page::new("Diagnosis of concealed cases")
             .subtitle(subtitle)
@@ -51,6 +57,13 @@ impl Score {
             "A family is right when the first name (for two effects: each of both) is of the \
              hidden effect's family. Intervals of rates are Wilson's.",
         )
+    }
+
+    /// Names of the aims that are missed for certain.
+    fn missed(&self) -> Vec<&'static str> {
+        let lines = self.lines().into_iter();
+        let missed = lines.filter(|line| line.aim.verdict(line.rate) == "missed");
+        missed.map(|line| line.name).collect()
     }
 
     fn key_figures(&self) -> Vec<Figure> {
