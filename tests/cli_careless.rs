@@ -542,6 +542,41 @@ fn what_does_not_ring_gets_no_shaper() {
     ));
 }
 
+/// A diagnosis says that nothing rings, and takes it neither for friction nor for a frequency that varies.
+#[test]
+fn a_diagnosis_of_what_does_not_ring_says_so() {
+    let folder = folder();
+    let here = folder.path();
+    // Noise of both sensors, by irrational rotations.
+    let noise = |t: f64, k: f64| 4e-5 * ((500.0 * t * k).fract() - 0.5);
+    let noisy = |t: f64, [u, y]: [f64; 2]| [u + noise(t, 0.618), y + noise(t + 7.0, 0.414)];
+    let step = 2.0 * std::f64::consts::PI / 4096.0;
+    let twelve_bits = |_, x: [f64; 2]| x.map(|angle| (angle / step).round() * step);
+    for (bytes, words) in [
+        (
+            file(SIDES, &joint(8.0, 1.2), noisy),
+            "with a damping ratio near 1.20",
+        ),
+        (
+            file(SIDES, &joint(120.0, 0.02), twelve_bits),
+            "as if both were rigid",
+        ),
+    ] {
+        std::fs::write(here.join("run.csv"), bytes).unwrap();
+        let mut diagnose = Command::cargo_bin("quell").unwrap();
+        let arguments = ["diagnose", "--model", "model.toml", "run.csv", "--force"];
+        let output = diagnose.current_dir(here).args(arguments).output().unwrap();
+        let said = String::from_utf8(output.stdout).unwrap();
+        let first = said.lines().next().unwrap_or_default();
+        assert!(
+            first.starts_with("The recording shows no resonance to be modelled: "),
+            "{said}"
+        );
+        assert!(first.contains(words), "{said}");
+        assert_eq!(output.status.code(), Some(2), "{said}");
+    }
+}
+
 /// A sensor that hangs or is at its limit while the joint moves is told with the time, and the rest of the recording is used.
 #[test]
 fn a_sensor_that_hangs_is_left_out() {

@@ -7,6 +7,7 @@
 mod at_rest;
 mod carried;
 mod mute;
+mod resonance;
 mod sampled;
 mod silent;
 mod untold;
@@ -15,6 +16,7 @@ mod words;
 pub use at_rest::at_rest;
 pub use carried::{Carried, carried};
 pub use mute::mute;
+pub use resonance::NoResonance;
 pub use sampled::sampled;
 pub use silent::silent;
 pub use untold::Untold;

@@ -7,7 +7,7 @@ use super::conclude::{Concluded, conclude, reported};
 use super::data::Data;
 use super::draw::draw;
 use super::error::DiagnosisError;
-use super::excitation::Untold;
+use super::excitation::{NoResonance, Untold};
 use super::explanation::Explanation;
 use super::fit::Fitted;
 use super::judge::Judge;
@@ -124,6 +124,8 @@ fn investigate(
     let judge = Judge::new(model, data, &problem, &fitted.point);
     let untold = Untold::of(model, &problem, &fitted.point, &judge);
     let baseline: Explanation = judge.judge(&problem, &projector, fitted);
+    let unresonant = NoResonance::of(model, data, &problem, (&baseline, &judge));
+    options.stop.check()?;
     progress(0.1, "locating the mismatch");
     let located = problem.locate(&baseline);
     problem.locate_again(&baseline);
@@ -131,9 +133,16 @@ fn investigate(
     progress(0.15, "screening the catalogue");
     let told = (known, progress);
     problem.enough = options.enough.clone();
-    let pool = searched_in_long_steps(&mut problem, &mut projector, &judge, &baseline, told);
-    let pool = pool.unwrap_or_else(|| Pool::new(baseline));
-    let mut pool = settled(&mut problem, &mut projector, &judge, pool, told);
+    let mut pool = match unresonant {
+        // There is no mode whose physics could be searched.
+        Some(_) => Pool::new(baseline),
+        None => {
+            let own = (&mut problem, &mut projector);
+            let pool = searched_in_long_steps(own.0, own.1, &judge, &baseline, told);
+            let pool = pool.unwrap_or_else(|| Pool::new(baseline));
+            settled(&mut problem, &mut projector, &judge, pool, told)
+        }
+    };
     let cut = problem.is_cut();
     // What is told is fitted to its end.
     problem.enough = Stop::default();
@@ -154,6 +163,9 @@ fn investigate(
     } = conclude(&search, &found, &located, told, options);
     if let Some(untold) = untold {
         untold.said(&mut diagnosis);
+    }
+    if let Some(unresonant) = unresonant {
+        unresonant.said(&mut diagnosis);
     }
     options.stop.check()?;
     let verdict = diagnosis.verdict;
@@ -184,7 +196,7 @@ fn investigate(
 }
 
 /// The model refitted from a start; the noise is measured from its residual.
-fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
+pub(super) fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     let start = problem.start(model);
     if problem.experiments[0].outputs.len() > 1 {
         // The first guess of the weights is the residual of the given model in each output.

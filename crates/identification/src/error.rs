@@ -1,11 +1,8 @@
 //! Why a recording cannot be identified.
 
+use quell_model::NO_RESONANCE;
 use quell_recording::{Role, plain};
 use quell_signal::SignalError;
-
-/// Damping ratio from which the response of second order has no half-power bandwidth, `sin(pi/8)`: its peak,
-/// `1 / (2 xi sqrt(1 - xi^2))`, is then lower than `sqrt(2)` times the response at rest.
-pub const NO_RESONANCE: f64 = 0.382_683_432_365_089_8;
 
 /// Why a recording cannot be identified.
 #[derive(Debug, thiserror::Error)]
@@ -68,14 +65,24 @@ pub enum IdentificationError {
     /// No evidence for a mode about the believed one.
     #[error(
         "no mode was found from {:.3} to {:.3} Hz, about the model's {belief:.3} Hz: there the tip rests or follows the motor \
-         side, with noise or drift; identify without the model if its frequency may be wrong, else record a move that makes \
-         the link ring, and the rest after it",
+         side, with noise or drift; {}",
         .searched[0],
-        .searched[1]
+        .searched[1],
+        match *.belief_damping >= NO_RESONANCE {
+            true => format!(
+                "the model's damping ratio of {belief_damping:.3} is that of no resonance, and from it no mode that rings is \
+                 found; write a damping ratio of some hundredths, or identify without the model"
+            ),
+            false => "identify without the model if its frequency may be wrong, else record a move that makes the link ring, \
+                      and the rest after it"
+                .into(),
+        }
     )]
     NotNear {
         /// The believed frequency, Hz.
         belief: f64,
+        /// The believed damping ratio.
+        belief_damping: f64,
         /// Lowest and highest frequency that were searched, Hz.
         searched: [f64; 2],
     },

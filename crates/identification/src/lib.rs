@@ -21,11 +21,12 @@ mod whitener;
 mod whole_fit;
 
 pub use amplitude::{AmplitudeDependence, CycleDamping};
-pub use error::{IdentificationError, NO_RESONANCE};
+pub use error::IdentificationError;
 pub use motor_side::{motor_side, rests};
 pub use nominal_model::NominalModel;
 pub use prepare::{Series, prepare};
 pub use quell_model::ModelError;
+pub use quell_model::NO_RESONANCE;
 pub use recommended::{Recommended, Why};
 pub use response::Searched;
 pub use run::{OffLine, OnLine, Run};

@@ -1,8 +1,8 @@
 //! What a found mode can be: a resonance or not, of the link alone or of servo and link; and which frequencies were
 //! looked at.
 
-use super::error::NO_RESONANCE;
 use super::{Identification, IdentificationError, Recommended, Series};
+use quell_model::NO_RESONANCE;
 use quell_recording::Role;
 use quell_shapers::{Mode, UncertainMode};
 
@@ -30,6 +30,7 @@ impl Searched {
     pub(super) fn not_near(&self, belief: Mode) -> IdentificationError {
         IdentificationError::NotNear {
             belief: belief.hertz(),
+            belief_damping: belief.damping_ratio(),
             searched: self.hertz(),
         }
     }

@@ -5,6 +5,10 @@ use super::piecewise::Hold;
 use crate::effects::{Place, Quantity};
 use quell_recording::Role;
 
+/// Damping ratio from which the response of second order has no half-power bandwidth, `sin(pi/8)`: its peak,
+/// `1 / (2 xi sqrt(1 - xi^2))`, is then lower than `sqrt(2)` times the response at rest.
+pub const NO_RESONANCE: f64 = 0.382_683_432_365_089_8;
+
 /// A key of a model file.
 #[derive(Clone, Copy)]
 pub struct Key {
