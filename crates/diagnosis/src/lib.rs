@@ -66,6 +66,7 @@ mod problem;
 mod projector;
 mod quality;
 mod range;
+mod refitted;
 mod remarks;
 mod residual_of;
 mod rivals;

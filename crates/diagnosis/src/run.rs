@@ -1,6 +1,6 @@
 //! One investigation, from experiments to a diagnosis.
 
-use super::baseline::{problem, refit};
+use super::baseline::problem;
 use super::better_model::better_model;
 use super::candidate::Known;
 use super::conclude::{Concluded, conclude, reported};
@@ -9,26 +9,20 @@ use super::draw::draw;
 use super::error::DiagnosisError;
 use super::excitation::{NoResonance, Untold};
 use super::explanation::Explanation;
-use super::fit::Fitted;
 use super::judge::Judge;
 use super::long_steps::searched_in_long_steps;
 use super::next_move::{Late, next_move};
 use super::outcome::{Options, Outcome, Progress};
 use super::point::Point;
 use super::pool::Pool;
-use super::problem::Problem;
-use super::projector::Projector;
+use super::refitted::baseline;
 use super::remarks::recorded;
 use super::scores::Recordings;
 use super::settled::{finished, search, settled};
-use super::start::ringing;
 use super::stop::Stop;
-use super::thresholds::LONG;
 use super::units::units;
-use super::weights::measure_noise;
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
-use std::sync::Arc;
 
 /// Rounds of refining a gain: a deformation's, which the given model may show out of step with its own, is wrong by
 /// some ten percent before the first one, and each leaves about the square of that.
@@ -193,21 +187,4 @@ fn investigate(
         points,
         believable,
     })
-}
-
-/// The model refitted from a start; the noise is measured from its residual.
-pub(super) fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
-    let start = problem.start(model);
-    if problem.experiments[0].outputs.len() > 1 {
-        // The first guess of the weights is the residual of the given model in each output.
-        measure_noise(problem, &start);
-    }
-    let mut projector = Projector::new(problem);
-    let mut first = refit(problem, &start, &projector);
-    first = ringing(problem, first, &projector);
-    // Vibration at the start is fitted first. It would otherwise be taken for noise.
-    measure_noise(problem, &first.point);
-    problem.input_rounding = Arc::new(problem.responses_to_rounding(&first.point));
-    projector = Projector::new(problem);
-    (problem.fit(&first.point, &projector, LONG), projector)
 }

@@ -1,21 +1,13 @@
 //! Which of two positions of a joint follows the other.
 
-use super::spline::{CubicSpline, End};
 use super::static_ratio::{FAR, rounded};
+use super::two_sides::{FEWEST, OVERLAP, SHORTEST, Series};
 use nalgebra::{Matrix3, Vector3};
-use quell_recording::{Channel, Recording, Role, plain, range};
+use quell_recording::{Recording, Role, plain, range};
 
-/// Samples in the shortest window, and windows that the longest one leaves.
-pub(super) const SHORTEST: usize = 8;
-pub(super) const FEWEST: usize = 8;
-/// Windows that overlap at a sample.
-pub(super) const OVERLAP: usize = 4;
 /// Difference of the Bayesian information criterion that is very strong evidence (Kass and Raftery, J. American
 /// Statistical Association 90 (1995)).
 const STRONG: f64 = 10.0;
-/// Longest span of a window against that of its samples: with a sample more, it has a gap.
-const GAP: f64 = 1.0 + 1.0 / SHORTEST as f64;
-
 /// Newton's law of the link, fitted to a motor side `u` and a link `y` as they are written, and exchanged.
 ///
 /// ```text
@@ -93,34 +85,7 @@ impl Direction {
     }
 }
 
-/// Both positions at the stamps of the link.
-#[derive(Clone)]
-pub(super) struct Series {
-    pub time: Vec<f64>,
-    pub motor: Vec<f64>,
-    pub link: Vec<f64>,
-}
-
 impl Series {
-    pub fn of(mut motor: Channel, mut link: Channel) -> Option<Self> {
-        for channel in [&mut motor, &mut link] {
-            let within = |column: &Vec<f64>| range(column) <= core::f64::consts::TAU;
-            if channel.unit == "rad" && channel.columns.iter().all(within) {
-                channel.unwrap_turns();
-            }
-        }
-        let spline = CubicSpline::new(&motor.time, motor.columns.first()?, End::NotAKnot).ok()?;
-        let (first, last) = spline.span();
-        let from = link.time.partition_point(|t| *t < first);
-        let until = link.time.partition_point(|t| *t <= last);
-        let time = link.time.get(from..until)?.to_vec();
-        Some(Self {
-            motor: time.iter().map(|t| spline.value(*t)).collect(),
-            link: link.columns.first()?.get(from..until)?.to_vec(),
-            time,
-        })
-    }
-
     /// The fits of both directions in windows of so many samples.
     fn fit(&self, width: usize, scaled: Option<&Series>) -> Option<Direction> {
         let rows = self.rows(width)?;
@@ -141,27 +106,6 @@ impl Series {
     fn rows(&self, width: usize) -> Option<Vec<Row>> {
         let starts = self.starts(width)?;
         Some(starts.into_iter().map(|at| self.row(at, width)).collect())
-    }
-
-    /// Where windows of so many samples begin, without those that have a gap.
-    pub(super) fn starts(&self, width: usize) -> Option<Vec<usize>> {
-        let duration = self.time.last()? - self.time.first()?;
-        let usual = duration / (self.time.len() - 1) as f64 * width as f64;
-        let starts = (0..self.time.len() - width).step_by(width / OVERLAP);
-        let whole = |at: &usize| self.time[at + width] - self.time[*at] <= GAP * usual;
-        Some(starts.filter(whole).collect())
-    }
-
-    /// The window that begins at a sample, its first and second derivative at another one, in half its spans, each times the
-    /// step there in half its spans: an integral by the trapezoidal rule is a sum with these.
-    pub(super) fn window(&self, at: usize, width: usize, k: usize) -> [f64; 3] {
-        let (first, last) = (self.time[at], self.time[at + width]);
-        let half = 0.5 * (last - first);
-        let step = 0.5 * (self.time[k + 1] - self.time[k - 1]) / half;
-        let s = (self.time[k] - first) / half - 1.0;
-        let g = 1.0 - s * s;
-        let twice = 48.0 * s * s * g.powi(2) - 8.0 * g.powi(3);
-        [g.powi(4), -8.0 * s * g.powi(3), twice].map(|value| value * step)
     }
 
     /// The integrals of a window; those of derivatives are moved to the window.
@@ -204,6 +148,7 @@ fn law(rows: &[Row], which: usize, sign: f64) -> Option<(Vector3<f64>, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use quell_recording::Channel;
 
     const TAU: f64 = core::f64::consts::TAU;
 

@@ -1,6 +1,6 @@
 //! Stretches in which the sensor of a joint shows one value while the joint moves.
 
-use super::direction::Series;
+use super::two_sides::Series;
 use core::ops::Range;
 use quell_recording::health::{Flat, FlatKind, flats, quantum};
 use quell_recording::{Channel, Recording, Role, plain, range};

@@ -26,6 +26,7 @@ pub mod spectrum;
 pub mod spline;
 pub mod static_ratio;
 pub mod tip_registration;
+mod two_sides;
 pub mod urdf;
 
 pub use alignment::{Aligned, Aligner, Clock};

@@ -1,7 +1,7 @@
 //! How far the link moves for each unit that the motor side moves, in motion.
 
-use super::direction::{FEWEST, OVERLAP, SHORTEST, Series};
 use super::static_ratio::{CERTAIN, is_mistake};
+use super::two_sides::{FEWEST, OVERLAP, SHORTEST, Series};
 use nalgebra::{SMatrix, SVector};
 
 /// Unknowns of the law.

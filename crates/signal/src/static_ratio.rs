@@ -1,7 +1,7 @@
 //! How far the link moves for each unit that the motor side moves, from rest to rest or in motion.
 
-use super::direction::Series;
 use super::rest::{Motion, RestRule, phases};
+use super::two_sides::Series;
 use core::f64::consts::TAU;
 use quell_recording::{Channel, Recording, Role, plain, range};
 

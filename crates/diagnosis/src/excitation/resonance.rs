@@ -11,7 +11,7 @@ use crate::next_move::SEPARATES;
 use crate::point::Point;
 use crate::problem::Problem;
 use crate::projector::Projector;
-use crate::run::baseline;
+use crate::refitted::baseline;
 use crate::thresholds::LONG;
 use quell_model::{Experiment, Model, NO_RESONANCE};
 use quell_recording::health::quantum;
