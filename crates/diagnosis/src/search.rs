@@ -42,7 +42,11 @@ impl Search<'_> {
     /// first: before their structures are complete, learned laws would outrank them.
     pub fn run(&self, pool: &mut Pool) {
         loop {
-            while self.grow(pool) {}
+            while self.grow(pool, 1) {}
+            if self.exchange(pool) {
+                continue;
+            }
+            while self.grow(pool, BEAM) {}
             let is_better = self.learn(pool)
                 || self.name(pool)
                 || self.exchange(pool)
@@ -53,7 +57,7 @@ impl Search<'_> {
                 return;
             }
             if self.is_over() {
-                pool.is_unfinished |= self.next(pool).is_some();
+                pool.is_unfinished |= self.next(pool, BEAM).is_some();
                 return;
             }
         }
@@ -65,8 +69,8 @@ impl Search<'_> {
     }
 
     /// Extends the next structure of a pool by laws of the catalogue; returns whether there was one.
-    pub fn grow(&self, pool: &mut Pool) -> bool {
-        let Some(next) = self.next(pool) else {
+    pub fn grow(&self, pool: &mut Pool, beam: usize) -> bool {
+        let Some(next) = self.next(pool, beam) else {
             return false;
         };
         if pool.is_extended(pool.baseline(), Table::Named) && self.is_over() {
@@ -117,15 +121,16 @@ impl Search<'_> {
 
     /// The next structure to extend. Structures of named laws come first: before they are complete, learned
     /// laws would outrank them. A structure with a learned law follows only if it is the best of all.
-    fn next(&self, pool: &Pool) -> Option<Explanation> {
+    fn next(&self, pool: &Pool, beam: usize) -> Option<Explanation> {
         let ranked = pool.ranked(pool.temperature(self.judge));
         let (learned, named): (Vec<_>, Vec<_>) = ranked.iter().partition(|own| own.0.is_learned());
         let best = ranked[0].0;
         // If only noise is left, nothing masks a further effect.
-        let beam = if self.leaves_noise(best) { 1 } else { BEAM };
+        let is_left = !self.leaves_noise(best);
+        let beam = if is_left { beam } else { 1 };
         // If no single effect is worth it, two together may be.
-        let ahead = usize::from(beam > 1 && best.terms() == 0);
-        let next = match best.is_learned() && beam == 1 {
+        let ahead = usize::from(is_left && best.terms() == 0);
+        let next = match best.is_learned() && !is_left {
             true => None,
             false => open(pool, &named, (beam, ahead)),
         };
