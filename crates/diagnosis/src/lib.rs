@@ -38,6 +38,7 @@ mod input_hold;
 mod input_noise;
 mod input_response;
 mod input_rounding;
+mod join;
 mod judge;
 mod judgement;
 mod law_band;

@@ -27,7 +27,7 @@ impl Search<'_> {
     }
 
     /// A structure that is not extended yet, and that one more effect could bring into the credible set of an explanation
-    /// that leaves only noise. It has as many effects, or one less: simpler ones were extended while more than noise was left.
+    /// that leaves only noise, the simplest one first.
     fn rival(&self, pool: &Pool) -> Option<Explanation> {
         let temperature = pool.temperature(self.judge);
         let ranked = pool.ranked(temperature);
@@ -40,8 +40,7 @@ impl Search<'_> {
         let is_rival = |own: &&(&Explanation, f64)| {
             !pool.is_extended(own.0, Table::Named) && pool.hope(**own, one, temperature) > least
         };
-        let mut counts = best.terms().saturating_sub(1)..=best.terms();
-        counts.find_map(|count| {
+        (0..=best.terms()).find_map(|count| {
             let named = ranked
                 .iter()
                 .filter(|own| own.0.terms() == count && !own.0.is_learned());

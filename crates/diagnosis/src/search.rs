@@ -52,7 +52,8 @@ impl Search<'_> {
                 || self.exchange(pool)
                 || self.look_ahead(pool)
                 || self.extend_rivals(pool)
-                || self.fit_to_all_rows(pool);
+                || self.fit_to_all_rows(pool)
+                || self.join(pool);
             if !is_better {
                 return;
             }
