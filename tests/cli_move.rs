@@ -100,8 +100,8 @@ fn bad_input_is_refused() {
         ("--payload -5", "0 or more"),
         ("--noise nan", "0 or more"),
         ("--seed -1", "--seed"),
-        ("--velocity 0", "above 0"),
-        ("--jerk -3", "above 0"),
+        ("--velocity 0", "from 1e-9 to 1e9"),
+        ("--jerk -3", "from 1e-9 to 1e9"),
         // Moves that the 20 s of simulation would cut off, and beliefs that would fill the memory.
         ("--velocity 0.5", "has not ended after 20 s"),
         ("--belief 1e-9,0.1", "1e-9 Hz"),
