@@ -21,9 +21,7 @@ impl Search<'_> {
             let known = pool.like(&kept).cloned();
             let kept = known.unwrap_or_else(|| self.refitted(&kept));
             pool.add(kept.clone());
-            if !pool.is_extended(&kept, Table::Named) {
-                self.extend_by(pool, &kept, Table::Named);
-            }
+            self.extend_new(pool, &kept, Table::Named, false);
         }
         !pool.best(self.judge).is_like(&best)
     }

@@ -185,7 +185,7 @@ impl Search<'_> {
     }
 
     /// Extends a structure by the laws of a table, unless that was done, or the search is over.
-    fn extend_new(&self, pool: &mut Pool, own: &Explanation, table: Table, is_over: bool) {
+    pub fn extend_new(&self, pool: &mut Pool, own: &Explanation, table: Table, is_over: bool) {
         match pool.is_extended(own, table) {
             true => {}
             false if is_over => pool.is_unfinished = true,

@@ -1,7 +1,7 @@
 //! Which of two positions of a joint follows the other.
 
 use super::static_ratio::{FAR, rounded};
-use super::two_sides::{FEWEST, OVERLAP, SHORTEST, Series};
+use super::two_sides::{FEWEST, OVERLAP, Series, unwrapped};
 use nalgebra::{Matrix3, Vector3};
 use quell_recording::{Recording, Role, plain, range};
 
@@ -43,14 +43,12 @@ impl Direction {
         if motor.unit != link.unit {
             return None;
         }
-        let series = Series::of(motor.clone(), link.clone())?;
+        let series = Series::of(&unwrapped(motor), &unwrapped(link))?;
         let scaled = series.certain_gain().map(|gain| Series {
             link: series.link.iter().map(|value| value / gain.ratio).collect(),
             ..series.clone()
         });
-        let most = series.time.len() / FEWEST;
-        let widths = std::iter::successors(Some(SHORTEST), |width| Some(2 * width));
-        let fits = widths.take_while(|width| *width <= most);
+        let fits = series.widths();
         fits.filter_map(|width| series.fit(width, scaled.as_ref()))
             .max_by(|a, b| a.evidence.abs().total_cmp(&b.evidence.abs()))
     }

@@ -1,6 +1,6 @@
 //! Stretches in which the sensor of a joint shows one value while the joint moves.
 
-use super::two_sides::Series;
+use super::two_sides::{Series, unwrapped};
 use core::ops::Range;
 use quell_recording::health::{Flat, FlatKind, flats, quantum};
 use quell_recording::{Channel, Recording, Role, plain, range};
@@ -124,7 +124,7 @@ fn apart(motor: &Channel, link: &Channel) -> Vec<Hang> {
     let all: Vec<Hang> = both.map(|(run, _)| run).collect();
     let series = match all.is_empty() {
         true => None,
-        false => Series::of(motor.clone(), link.clone()),
+        false => Series::of(&unwrapped(motor), &unwrapped(link)),
     };
     let Some(series) = series else {
         return Vec::new();

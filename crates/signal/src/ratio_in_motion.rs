@@ -1,7 +1,7 @@
 //! How far the link moves for each unit that the motor side moves, in motion.
 
 use super::static_ratio::{CERTAIN, is_mistake};
-use super::two_sides::{FEWEST, OVERLAP, SHORTEST, Series};
+use super::two_sides::{OVERLAP, Series};
 use nalgebra::{SMatrix, SVector};
 
 /// Unknowns of the law.
@@ -38,10 +38,7 @@ impl Series {
     /// The gain of the width that knows it best, if it is certain. Noise of the derivatives makes it too small in narrow windows,
     /// so that one width that is certain of an usual gain outweighs all that are not.
     pub(super) fn certain_gain(&self) -> Option<Gain> {
-        let most = self.time.len() / FEWEST;
-        let widths = std::iter::successors(Some(SHORTEST), |width| Some(2 * width));
-        let widths = widths.take_while(|width| *width <= most);
-        let gains = widths.filter_map(|width| self.gain(width));
+        let gains = self.widths().filter_map(|width| self.gain(width));
         let certain: Vec<Gain> = gains.filter(|gain| gain.relative() <= CERTAIN).collect();
         let usual = |gain: &&Gain| !is_mistake(gain.ratio);
         let best = |a: &&Gain, b: &&Gain| a.relative().total_cmp(&b.relative());

@@ -1,9 +1,8 @@
 //! How far the link moves for each unit that the motor side moves, from rest to rest or in motion.
 
 use super::rest::{Motion, RestRule, phases};
-use super::two_sides::Series;
-use core::f64::consts::TAU;
-use quell_recording::{Channel, Recording, Role, plain, range};
+use super::two_sides::{Series, unwrapped};
+use quell_recording::{Channel, Recording, Role, plain};
 
 /// Degrees in a radian.
 const DEGREES: f64 = 180.0 / core::f64::consts::PI;
@@ -55,16 +54,10 @@ impl StaticRatio {
         let varies = |role: &Role| recording.channel(*role).is_some_and(Channel::varies);
         let roles = [Role::MotorPosition, Role::CommandPosition];
         let motor_side = roles.into_iter().find(varies)?;
-        let mut motor = recording.channel(motor_side)?.clone();
-        let mut link = recording.channel(Role::LinkPosition)?.clone();
+        let motor = unwrapped(recording.channel(motor_side)?);
+        let link = unwrapped(recording.channel(Role::LinkPosition)?);
         if motor.unit != link.unit || !["rad", "m"].contains(&motor.unit.as_str()) {
             return None;
-        }
-        // What leaves a turn has not wrapped: its jumps are motion, or degrees that are called radians.
-        for channel in [&mut motor, &mut link] {
-            if channel.columns.iter().all(|column| range(column) <= TAU) {
-                channel.unwrap_turns();
-            }
         }
         let told = |(ratio, std), is_in_motion| Self {
             ratio,
@@ -75,9 +68,12 @@ impl StaticRatio {
         let at_rest = rests(&motor, &link).and_then(|rests| line(&rests));
         let at_rest = at_rest.map(|line| told(line, false));
         // A command leads the motor side by the servo, which is no joint.
-        let moves = || {
-            let gain = Series::of(motor, link)?.certain_gain()?;
-            (motor_side == Role::MotorPosition).then(|| told((gain.ratio, gain.std), true))
+        let moves = || match motor_side {
+            Role::MotorPosition => {
+                let gain = Series::of(&motor, &link)?.certain_gain()?;
+                Some(told((gain.ratio, gain.std), true))
+            }
+            _ => None,
         };
         at_rest.filter(Self::is_certain).or_else(moves)
     }
@@ -195,6 +191,7 @@ fn line(rests: &[Rest]) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::f64::consts::TAU;
 
     /// A link of 6 Hz on a motor side that moves and rests, each through a scale.
     fn recording(scales: [f64; 2]) -> Recording {

@@ -1,6 +1,7 @@
 //! Positions of motor side and link at the same instants, and the windows over which their laws are integrated.
 
 use super::spline::{CubicSpline, End};
+use core::f64::consts::TAU;
 use quell_recording::{Channel, range};
 
 /// Samples in the shortest window, and windows that the longest one leaves.
@@ -11,6 +12,15 @@ pub(super) const OVERLAP: usize = 4;
 /// Longest span of a window against that of its samples: with a sample more, it has a gap.
 const GAP: f64 = 1.0 + 1.0 / SHORTEST as f64;
 
+/// A channel without jumps of a turn. What leaves a turn has not wrapped: its jumps are motion, or degrees that are called radians.
+pub(super) fn unwrapped(channel: &Channel) -> Channel {
+    let mut own = channel.clone();
+    if own.columns.iter().all(|column| range(column) <= TAU) {
+        own.unwrap_turns();
+    }
+    own
+}
+
 /// Both positions at the stamps of the link.
 #[derive(Clone)]
 pub(super) struct Series {
@@ -20,13 +30,8 @@ pub(super) struct Series {
 }
 
 impl Series {
-    pub fn of(mut motor: Channel, mut link: Channel) -> Option<Self> {
-        for channel in [&mut motor, &mut link] {
-            let within = |column: &Vec<f64>| range(column) <= core::f64::consts::TAU;
-            if channel.unit == "rad" && channel.columns.iter().all(within) {
-                channel.unwrap_turns();
-            }
-        }
+    /// Of two channels that are [`unwrapped`].
+    pub fn of(motor: &Channel, link: &Channel) -> Option<Self> {
         let spline = CubicSpline::new(&motor.time, motor.columns.first()?, End::NotAKnot).ok()?;
         let (first, last) = spline.span();
         let from = link.time.partition_point(|t| *t < first);
@@ -37,6 +42,13 @@ impl Series {
             link: link.columns.first()?.get(from..until)?.to_vec(),
             time,
         })
+    }
+
+    /// Numbers of samples of windows, each twice the one before.
+    pub fn widths(&self) -> impl Iterator<Item = usize> + use<> {
+        let most = self.time.len() / FEWEST;
+        let widths = std::iter::successors(Some(SHORTEST), |width| Some(2 * width));
+        widths.take_while(move |width| *width <= most)
     }
 
     /// Where windows of so many samples begin, without those that have a gap.

@@ -1,5 +1,6 @@
 //! Whether recordings show the resonance that a model has.
 
+use super::sampled::rate;
 use super::words::{advice, figure};
 use crate::baseline::problem;
 use crate::data::Data;
@@ -13,7 +14,7 @@ use crate::problem::Problem;
 use crate::projector::Projector;
 use crate::refitted::baseline;
 use crate::thresholds::LONG;
-use quell_model::{Experiment, Model, NO_RESONANCE};
+use quell_model::{Model, NO_RESONANCE};
 use quell_recording::health::quantum;
 use std::f64::consts::TAU;
 
@@ -103,14 +104,8 @@ struct Free<'a> {
 impl<'a> Free<'a> {
     fn new(model: &Model, data: &'a Data, mode: [usize; 2]) -> Self {
         let mut problem = problem(model, &data.experiments, data.train.clone());
-        let rate = |own: &Experiment| {
-            let rates = own.outputs.iter().map(|output| {
-                let time = &output.time;
-                (time.len() - 1) as f64 / (time[time.len() - 1] - time[0])
-            });
-            rates.fold(f64::INFINITY, f64::min)
-        };
-        let rates = data.experiments.iter().map(rate);
+        let outputs = data.experiments.iter().flat_map(|own| &own.outputs);
+        let rates = outputs.map(|output| rate(&output.time));
         let highest = 0.5 * rates.fold(f64::INFINITY, f64::min);
         let step = data.experiments.iter().map(|own| own.grid.step());
         let stiff = (TAU * step.fold(0.0, f64::max)).recip();
@@ -162,12 +157,12 @@ impl<'a> Free<'a> {
 
     /// Whether two responses differ by less than the steps of the sensors: rounding is no noise that samples average.
     fn is_rounding(&self, one: &Point, other: &Point) -> bool {
-        let all = self.problem.experiments.iter().enumerate();
-        all.into_iter().all(|(e, experiment)| {
+        let mut all = self.problem.experiments.iter().enumerate();
+        all.all(|(e, experiment)| {
             let input = quantum(&experiment.input_values).unwrap_or(0.0);
             let [one, other] = [one, other].map(|point| self.problem.explained(point, e));
-            let pairs = experiment.outputs.iter().zip(one.iter().zip(&other));
-            pairs.into_iter().all(|(output, (one, other))| {
+            let mut pairs = experiment.outputs.iter().zip(one.iter().zip(&other));
+            pairs.all(|(output, (one, other))| {
                 let step = input + quantum(&output.values).unwrap_or(0.0);
                 one.iter().zip(other).all(|(a, b)| (a - b).abs() < step)
             })

@@ -83,7 +83,7 @@ fn median_rate(time: &[f64]) -> f64 {
 }
 
 /// Samples per second, Hz; infinite for fewer than two.
-fn rate(time: &[f64]) -> f64 {
+pub(super) fn rate(time: &[f64]) -> f64 {
     match time {
         [first, .., last] if last > first => (time.len() - 1) as f64 / (last - first),
         _ => f64::INFINITY,
