@@ -573,6 +573,7 @@ fn a_diagnosis_of_what_does_not_ring_says_so() {
             "{said}"
         );
         assert!(first.contains(words), "{said}");
+        assert!(!said.contains("end of what is believed"), "{said}");
         assert_eq!(output.status.code(), Some(2), "{said}");
     }
 }

@@ -280,26 +280,6 @@ pub struct Candidate {
 }
 
 impl Diagnosis {
-    /// Probability of the explanations that have neither a finding nor what could stand in its place, 0 to 1.
-    pub fn probability_without(&self, finding: &Finding) -> f64 {
-        let has = |candidate: &Candidate| {
-            let mut names = candidate.effect.split(" + ");
-            names.any(|name| {
-                name == finding.effect || finding.alternatives.iter().any(|own| own == name)
-            })
-        };
-        let without = self.candidates.iter().filter(|candidate| !has(candidate));
-        without.map(|candidate| candidate.probability).sum()
-    }
-
-    /// Whether it is credible that nothing stands in the place of a finding.
-    pub fn may_be_absent(&self, finding: &Finding) -> bool {
-        match finding.alternatives.is_empty() {
-            true => !finding.is_certain(),
-            false => self.probability_without(finding) > 1.0 - CREDIBLE,
-        }
-    }
-
     /// Whether every number is finite: what is written can then be read, and a page shows no number that is none.
     ///
     /// # Errors

@@ -33,6 +33,7 @@ mod fit;
 mod follows_motion;
 mod found;
 mod held;
+mod in_place;
 mod input_error;
 mod input_hold;
 mod input_noise;
@@ -101,6 +102,7 @@ pub use document::{
     Score, Scored, Verdict,
 };
 pub use error::DiagnosisError;
+pub use in_place::InPlace;
 pub use judgement::{Judgement, judge};
 pub use law_curve::{LawCurve, LawParameter, LearnedLaw, NearestLaw};
 pub use locate::{Dynamics, Located, Residual, locate};

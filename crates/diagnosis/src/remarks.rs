@@ -49,8 +49,16 @@ pub fn recorded(recordings: &[Recording]) -> Vec<String> {
     remarks
 }
 
-/// Keys at their bounds, effects of the given model that the recording does not need, payloads.
-pub fn remarks(problem: &Problem, found: &Found) -> Vec<String> {
+/// What was fitted of the outputs themselves: gains, directions.
+pub fn of_outputs(problem: &Problem, found: &Found) -> Vec<String> {
+    let mut remarks = gains(problem, &found.best.fitted.point);
+    remarks.extend(directions(problem));
+    remarks
+}
+
+/// Fitted values of the model: effects of the given model that the recording does not need, payloads, keys at the ends of
+/// their ranges. They mean nothing where the recording does not determine the model.
+pub fn of_fit(problem: &Problem, found: &Found) -> Vec<String> {
     let mut remarks = Vec::new();
     let point = &found.best.fitted.point;
     for term in &point.terms[..point.given_terms] {
@@ -62,8 +70,6 @@ pub fn remarks(problem: &Problem, found: &Found) -> Vec<String> {
             ));
         }
     }
-    remarks.extend(gains(problem, point));
-    remarks.extend(directions(problem));
     for index in problem.free_payloads.clone() {
         let named = |index: usize| problem.payloads[index].as_deref().unwrap_or("none");
         remarks.push(format!(

@@ -5,6 +5,7 @@ use super::better_model::better_model;
 use super::candidate::Known;
 use super::conclude::{Concluded, conclude, reported};
 use super::data::Data;
+use super::document::Verdict;
 use super::draw::draw;
 use super::error::DiagnosisError;
 use super::excitation::{NoResonance, Untold};
@@ -16,7 +17,7 @@ use super::outcome::{Options, Outcome, Progress};
 use super::point::Point;
 use super::pool::Pool;
 use super::refitted::baseline;
-use super::remarks::recorded;
+use super::remarks::{of_fit, of_outputs, recorded};
 use super::scores::Recordings;
 use super::settled::{finished, search, settled};
 use super::stop::Stop;
@@ -147,7 +148,7 @@ fn investigate(
     let search = search(&problem, &projector, &judge, told);
     let found = search.found(pool);
     options.stop.check()?;
-    remarks.extend(super::remarks::remarks(&problem, &found));
+    remarks.extend(of_outputs(&problem, &found));
     remarks.extend(search.elsewhere(&found));
     let told = (recordings, remarks);
     let Concluded {
@@ -163,6 +164,9 @@ fn investigate(
     }
     options.stop.check()?;
     let verdict = diagnosis.verdict;
+    if verdict != Verdict::NotExcited {
+        diagnosis.remarks.extend(of_fit(&problem, &found));
+    }
     let next = next_move(&search, &found, verdict, &options.enough);
     let next = next.unwrap_or_else(|Late| {
         diagnosis.remarks.push(LATE.into());

@@ -114,7 +114,7 @@ fn ambiguous(diagnosis: &Diagnosis, catalogue: Catalogue, change: &str) -> Strin
     let (perhaps, there): (Vec<&Finding>, Vec<_>) = diagnosis
         .findings
         .iter()
-        .partition(|finding| diagnosis.may_be_absent(finding));
+        .partition(|finding| diagnosis.may_be_absent(finding, catalogue));
     let both = [there, perhaps].map(|own| names(own, catalogue));
     let lacks = match both.each_ref().map(String::as_str) {
         [own, ""] => own.to_string(),

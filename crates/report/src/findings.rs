@@ -38,7 +38,7 @@ pub fn set(page: Page, case: &Case) -> Page {
             true => format!(" {}", words::at(&finding.place)),
             false => String::new(),
         };
-        page = page.text(match case.diagnosis.may_be_absent(finding) {
+        page = page.text(match case.may_be_absent(finding) {
             true => format!(
                 "One of them may be missing{place}, or nothing; these recordings cannot tell which."
             ),
@@ -55,38 +55,28 @@ pub fn set(page: Page, case: &Case) -> Page {
     ))
 }
 
-/// The possible effects of a finding with their probabilities, the likeliest first.
-pub fn possible<'f>(case: &Case, finding: &'f Finding) -> Vec<(&'f String, f64)> {
-    let probability = |effect: &String| -> f64 {
-        let candidates = case.diagnosis.candidates.iter();
-        let own = candidates.filter(|own| own.effect.split(" + ").any(|name| name == effect));
-        own.map(|own| own.probability).sum()
-    };
-    let names = std::iter::once(&finding.effect).chain(&finding.alternatives);
-    let mut all: Vec<_> = names.map(|name| (name, probability(name))).collect();
-    all.sort_by(|a, b| b.1.total_cmp(&a.1));
-    all
-}
-
 /// The possible effects of a finding as a table.
 fn one_of_them(case: &Case, finding: &Finding) -> Table {
     let table = Table::new("What it may be")
         .text_column("explanation")
         .column("probability", "%")
         .text_column("what it is");
-    let all = possible(case, finding).into_iter();
-    let table = all.fold(table, |table, (name, probability)| {
-        let physics = case.physics(name).unwrap_or_default();
-        table.row([
-            words::capital(&case.title(name)).into(),
-            words::percent(probability).into(),
-            words::sentences(&physics, 1).into(),
-        ])
-    });
-    match case.diagnosis.may_be_absent(finding) {
+    let all = case.diagnosis.in_place(finding, case.catalogue);
+    let table = all
+        .effects
+        .iter()
+        .fold(table, |table, &(name, probability)| {
+            let physics = case.physics(name).unwrap_or_default();
+            table.row([
+                words::capital(&case.title(name)).into(),
+                words::percent(probability).into(),
+                words::sentences(&physics, 1).into(),
+            ])
+        });
+    match case.may_be_absent(finding) {
         true => table.row([
             "Nothing".into(),
-            words::percent(case.diagnosis.probability_without(finding)).into(),
+            words::percent(all.nothing).into(),
             "The model does without it.".into(),
         ]),
         false => table,
@@ -171,7 +161,7 @@ fn explained(page: Page, case: &Case, finding: &Finding) -> Page {
         true => page,
         false => page.text(finding.evidence.clone()),
     };
-    let page = match case.diagnosis.may_be_absent(finding) {
+    let page = match case.may_be_absent(finding) {
         true => page.text(format!(
             "These recordings do not decide whether it is there: its probability is {:.1} %.",
             100.0 * finding.probability

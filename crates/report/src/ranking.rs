@@ -52,7 +52,7 @@ fn doubt(case: &Case, finding: &Finding) -> Option<String> {
         .iter()
         .map(|other| case.title(other))
         .collect();
-    match (others.is_empty(), case.diagnosis.may_be_absent(finding)) {
+    match (others.is_empty(), case.may_be_absent(finding)) {
         (false, false) => Some(format!(
             " The data cannot tell {name} from {}.",
             words::list(&others, "or")
@@ -85,7 +85,7 @@ fn bars(case: &Case) -> Bars {
             "Chi-squared, relative to the model without the effect; the shorter, the better. The order is that of the \
              log evidence.",
         );
-    let marked = (0..drawn.len()).filter(|&k| words::in_set(case.diagnosis, &drawn[k].effect));
+    let marked = (0..drawn.len()).filter(|&k| words::in_set(case, &drawn[k].effect));
     let bars = marked.fold(bars, Bars::marked);
     match floor.is_finite() {
         true => bars.level(floor, "noise alone, about"),
@@ -114,7 +114,7 @@ fn table(case: &Case) -> Table {
                 .into(),
             one.place.clone().into(),
         ]);
-        if words::in_set(case.diagnosis, &one.effect) {
+        if words::in_set(case, &one.effect) {
             table = table.marked();
         }
     }

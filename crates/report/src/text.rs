@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::case::Case;
 use super::score::{NOISE_ANEW, score_beside};
-use super::{findings, happened, head, law, next, words};
+use super::{happened, head, law, next, words};
 use quell_diagnosis::{Finding, Fit, NextMove, Verdict};
 use quell_page::{columns, number};
 
@@ -98,10 +98,10 @@ fn possible(case: &Case, finding: &Finding) -> String {
     if finding.is_certain() {
         return String::new();
     }
-    let named = findings::possible(case, finding).into_iter();
+    let all = case.diagnosis.in_place(finding, case.catalogue);
+    let named = all.effects.into_iter();
     let named = named.map(|(name, probability)| (case.title(name), probability));
-    let absent = case.diagnosis.may_be_absent(finding);
-    let nothing = absent.then(|| case.diagnosis.probability_without(finding));
+    let nothing = case.may_be_absent(finding).then_some(all.nothing);
     let rows = named.chain(nothing.map(|probability| ("nothing".into(), probability)));
     let rows = rows.map(|(name, probability)| [name, format!("{} %", words::percent(probability))]);
     columns(["what it may be", "probability"], rows)

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::shown::Shown;
-use quell_diagnosis::{Diagnosis, Finding, FittedParameter};
+use quell_diagnosis::{Finding, FittedParameter};
 pub use quell_model::effects::words as plain;
 use quell_model::effects::{ParameterRole, Place, Quantity};
 
@@ -86,6 +86,11 @@ impl Case<'_> {
     pub(crate) fn set(&self, finding: &Finding) -> Vec<String> {
         let names = std::iter::once(&finding.effect).chain(&finding.alternatives);
         names.map(|name| self.title(name)).collect()
+    }
+
+    /// Whether it is credible that nothing stands in the place of a finding.
+    pub(crate) fn may_be_absent(&self, finding: &Finding) -> bool {
+        self.diagnosis.may_be_absent(finding, self.catalogue)
     }
 
     /// The title of a finding, marked if it is uncertain.
@@ -202,17 +207,17 @@ pub fn sentences(text: &str, length: usize) -> String {
 ///
 /// With several findings an explanation lists its alternatives one by one: a candidate belongs to it if it
 /// names an alternative, alone or with the other findings.
-pub fn in_set(diagnosis: &Diagnosis, candidate: &str) -> bool {
+pub fn in_set(case: &Case, candidate: &str) -> bool {
     let parts: Vec<&str> = candidate.split(" + ").collect();
     let is = |finding: &Finding, part: &str| {
         finding.effect == part || finding.alternatives.iter().any(|other| other == part)
     };
-    let findings = &diagnosis.findings;
+    let findings = &case.diagnosis.findings;
     let known = |part: &&str| findings.iter().any(|finding| is(finding, part));
     let held = |finding: &Finding| parts.iter().any(|part| is(finding, part));
     let complete = findings
         .iter()
-        .all(|finding| held(finding) || diagnosis.may_be_absent(finding));
+        .all(|finding| held(finding) || case.may_be_absent(finding));
     parts.len() <= findings.len() && parts.iter().all(known) && complete
 }
 
