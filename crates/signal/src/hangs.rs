@@ -2,7 +2,7 @@
 
 use super::two_sides::{Series, unwrapped};
 use core::ops::Range;
-use quell_recording::health::{Flat, FlatKind, flats, quantum};
+use quell_recording::health::{Flat, FlatKind, flats, quantum, shows_noise};
 use quell_recording::{Channel, Recording, Role, plain, range};
 
 /// A sensor of a joint that hangs, or is at its limit, while the joint moves.
@@ -12,7 +12,10 @@ use quell_recording::{Channel, Recording, Role, plain, range};
 ///
 /// - of two positions, where their distance lies, on average over the run, further from its mean outside of such runs than half
 ///   of its range there: the other side has gone on, while a vibration about the stop has no mean,
-/// - of a deformation, where the run begins in full motion: a vibration dies out.
+/// - of a deformation, where the run begins in full motion: a vibration dies out,
+/// - of any of them, where the sensor shows noise outside of such runs ([`shows_noise`]): neither a rest, nor a stop, nor the
+///   top of a vibration is without noise. So a sensor is found that hangs from the first sample on, and one whose range ends
+///   below the tops of a vibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hangs {
     /// The runs, in the order of time, not empty.
@@ -32,20 +35,26 @@ pub struct Hang {
     pub unit: String,
     /// Whether it is the least or greatest value, so that the sensor's range has ended.
     pub is_limit: bool,
+    /// Whether the sensor shows noise outside of such runs, so that no physics explains the run.
+    pub lacks_noise: bool,
 }
 
 impl Hangs {
     /// The runs in the motor side and the link of a recording; `None` without one.
     pub fn of(recording: &Recording) -> Option<Self> {
-        let motor = recording.channel(Role::MotorPosition);
-        let link = recording.channel(Role::LinkPosition);
+        let roles = [Role::MotorPosition, Role::LinkPosition, Role::Deformation];
+        let [motor, link, deformation] = roles.map(|role| recording.channel(role));
         let pair = motor
             .zip(link)
             .filter(|(motor, link)| motor.unit == link.unit);
-        let deformation = recording.channel(Role::Deformation);
         let mut runs = pair.map_or_else(Vec::new, |(motor, link)| apart(motor, link));
         let own = deformation.into_iter().flat_map(candidates);
         runs.extend(own.filter(|(_, begins)| *begins).map(|(run, _)| run));
+        let all = [motor, link, deformation].into_iter().flatten();
+        let silent = all.flat_map(candidates).map(|(run, _)| run);
+        let silent: Vec<Hang> = silent.filter(|run| run.lacks_noise).collect();
+        runs.retain(|run| !silent.contains(run));
+        runs.extend(silent);
         runs.sort_by(|a, b| a.span[0].total_cmp(&b.span[0]));
         (!runs.is_empty()).then_some(Self { runs })
     }
@@ -103,19 +112,33 @@ fn candidates(channel: &Channel) -> Vec<(Hang, bool)> {
     let Some(column) = channel.columns.first() else {
         return Vec::new();
     };
-    let step = quantum(column).unwrap_or(0.0);
-    let runs = flats(&channel.time, column, step).into_iter();
-    let found = runs.filter(|flat| flat.kind != FlatKind::Rest);
+    let step = quantum(column);
+    let runs = flats(&channel.time, column, step.unwrap_or(0.0));
+    // Without a step there are no numbers of a sensor: a simulation without noise may hold a value exactly.
+    let lacks_noise = step.is_some_and(|step| shows_noise(&outside(channel, &runs), step));
+    let found = runs.into_iter().filter(|flat| flat.kind != FlatKind::Rest);
     let hang = |flat: Flat| Hang {
         role: channel.role,
         span: [flat.from, flat.until],
         value: flat.value,
         unit: channel.unit.clone(),
         is_limit: flat.kind == FlatKind::Saturated,
+        lacks_noise,
     };
     found
         .map(|flat| (hang(flat), flat.begins_in_motion))
         .collect()
+}
+
+/// The values of the first column outside of runs.
+fn outside(channel: &Channel, runs: &[Flat]) -> Vec<f64> {
+    let pairs = channel.time.iter().zip(&channel.columns[0]);
+    let is_outside = |time: f64| {
+        let own = runs.partition_point(|run| run.until < time);
+        runs.get(own).is_none_or(|run| time < run.from)
+    };
+    let kept = pairs.filter(|(time, _)| is_outside(**time));
+    kept.map(|(_, value)| *value).collect()
 }
 
 /// The runs of two positions in which the other one goes on.
@@ -220,6 +243,43 @@ mod tests {
         assert!(hangs.runs[0].is_limit && hangs.words().starts_with("link_position is at the end"));
         let [from, _] = hangs.intact(&own);
         assert!(from > 2.0, "{from}");
+    }
+
+    /// A value as a sensor of 7 digits shows it.
+    fn shown(x: f64) -> f64 {
+        (x * 1e7).round() / 1e7
+    }
+
+    /// Neither fault moves the mean of the distance far: what shows them is that the noise is gone.
+    #[test]
+    fn a_sensor_without_its_noise_is_told() {
+        let noisy = |t: f64, x: f64| {
+            let pair = [0.618, 0.414].map(|k| (t * RATE * k).fract() + (t * t * RATE * k).fract());
+            shown(x + 3e-6 * (pair[0] + pair[1] - 2.0))
+        };
+        let good = |t: f64, x: f64| noisy(t, x);
+        assert_eq!(Hangs::of(&recording(good, good)), None);
+        // The link's tops beyond 0.503 rad are cut off.
+        let cut = |t: f64, x: f64| noisy(t, x).min(0.503);
+        let hangs = Hangs::of(&recording(good, cut)).unwrap();
+        assert!(
+            hangs.runs.len() > 3 && hangs.runs.iter().all(|run| run.is_limit && run.lacks_noise)
+        );
+        // A sensor that shows its first value until 0.62 s, where the joint is on its way.
+        let late = |t: f64, x: f64| if t < 0.62 { shown(0.0) } else { noisy(t, x) };
+        let own = recording(good, late);
+        let hangs = Hangs::of(&own).unwrap();
+        assert_eq!((hangs.runs.len(), hangs.runs[0].span), (1, [0.0, 0.618]));
+        // An encoder whose step hides the noise rests at one value, and a blow may end the rest.
+        let coarse = |t: f64, x: f64| {
+            if t < 0.62 {
+                0.0
+            } else {
+                (x * 1e4).round() / 1e4
+            }
+        };
+        let hangs = Hangs::of(&recording(good, coarse));
+        assert!(hangs.is_none_or(|hangs| hangs.runs.iter().all(|run| !run.lacks_noise)));
     }
 
     /// A motor side that is stopped hard rests at one value, and the link rings about it.

@@ -94,25 +94,31 @@ fn sound(
     Ok(())
 }
 
-/// Checks that the link goes as far as the motor side that drives it, and follows it, where both are measured, and that
-/// neither of their sensors hangs.
+/// Checks that no sensor hangs, and that the link goes as far as the motor side that drives it, and follows it, where both are
+/// measured.
+///
+/// Where friction holds the link, its deformation stays at one value, too: only a run without the sensor's noise is a fault
+/// there.
 fn follows(
     recording: &Recording,
     input: &Channel,
     outputs: &[&Channel],
 ) -> Result<(), DiagnosisError> {
-    let is_link = |channel: &&Channel| channel.role == Role::LinkPosition;
-    if !outputs.iter().any(is_link) {
-        return Ok(());
-    }
+    let has_link = outputs.iter().any(|own| own.role == Role::LinkPosition);
+    let are_two = has_link && input.role == Role::MotorPosition;
     let hangs = || {
         let hangs = Hangs::of(recording)?;
-        let of_two =
-            |run: &Hang| run.role != Role::Deformation && input.role == Role::MotorPosition;
-        hangs.runs.iter().any(of_two).then(|| hangs.contradiction())
+        let is_fault = |run: &Hang| {
+            let is_used = std::iter::once(&input)
+                .chain(outputs)
+                .any(|own| own.role == run.role);
+            is_used && (run.lacks_noise || are_two && run.role != Role::Deformation)
+        };
+        let all: Vec<Hang> = hangs.runs.into_iter().filter(is_fault).collect();
+        (!all.is_empty()).then(|| Hangs { runs: all }.contradiction())
     };
     let mistake = || {
-        let own = Contradiction::of(recording)?;
+        let own = Contradiction::of(recording).filter(|_| has_link)?;
         (own.motor_side == input.role).then_some(own.words)
     };
     hangs().or_else(mistake).map_or(Ok(()), |words| {

@@ -17,8 +17,29 @@ const MEDIAN_ABSOLUTE: f64 = 0.674_489_750_196_081_7;
 ///
 /// Source: von Neumann (1941) for k = 1; Gasser, Sroka, Jennen-Steinmetz (1986) for k = 2.
 pub fn noise_std(values: &[f64]) -> Option<f64> {
+    let orders = noise_by_order(values);
+    let least = orders.into_iter().fold(f64::INFINITY, f64::min);
+    (values.len() >= 20).then_some(least)
+}
+
+/// Whether values show white noise of a quantisation step or more. One value is then seen many times in a row only where the
+/// sensor gives none: a joint that rests, or is held by friction or a stop, shows the noise as one that moves.
+///
+/// From one order of difference to the next the standard deviation of white noise stays (see [`noise_std`]), and what a
+/// motion of angular frequency w leaves in it falls by half of `w T`. It is noise where it falls by less than half, so that
+/// no motion with six samples a period or more is taken for it.
+pub fn shows_noise(values: &[f64], step: f64) -> bool {
+    let orders = noise_by_order(values);
+    let [.., fifth, sixth] = orders;
+    let is_white = sixth > 0.5 * fifth;
+    let is_seen = noise_std(values).is_some_and(|noise| noise > 0.0 && noise >= step);
+    is_seen && is_white
+}
+
+/// The standard deviation of white noise by each order of difference.
+fn noise_by_order(values: &[f64]) -> [f64; 5] {
     let mut differences = values.to_vec();
-    let mut least = f64::INFINITY;
+    let mut all = [f64::INFINITY; 5];
     let mut central_binomial = 1.0; // C(2k, k)
     for order in 1..=*ORDERS.end() {
         differences = differences
@@ -29,10 +50,10 @@ pub fn noise_std(values: &[f64]) -> Option<f64> {
         central_binomial *= (4.0 * k - 2.0) / k;
         if ORDERS.contains(&order) {
             let spread = median(differences.iter().map(|value| value.abs()).collect());
-            least = least.min(spread / MEDIAN_ABSOLUTE / f64::sqrt(central_binomial));
+            all[order - ORDERS.start()] = spread / MEDIAN_ABSOLUTE / f64::sqrt(central_binomial);
         }
     }
-    (values.len() >= 20).then_some(least)
+    all
 }
 
 /// Fewest distinct values for a step: with 7 increments a random set would pass the test of [`quantum`] with
