@@ -485,6 +485,67 @@ fn file(
     text.into()
 }
 
+/// Files that are not one table of numbers, or whose columns cannot be told, are refused with what to do.
+#[test]
+fn what_is_not_one_table_of_named_numbers_is_told_with_what_to_do() {
+    let again = |header: &str| {
+        let text = changed(|_| {});
+        let text = String::from_utf8(text).unwrap();
+        text.replacen(HEADER, header, 1).into_bytes()
+    };
+    let hexadecimal = |cell: usize| {
+        changed(|rows| {
+            for row in rows {
+                let mut cells: Vec<String> = row.split(',').map(String::from).collect();
+                let counts = (cells[cell].parse::<f64>().unwrap() * 1e5) as i32;
+                cells[cell] = format!("0x{counts:08X}");
+                *row = cells.join(",");
+            }
+        })
+    };
+    for (bytes, words) in [
+        (
+            changed(|rows| rows.insert(500, HEADER.into())),
+            "line 502 repeats the header: the logger was started again there; make a file of each part",
+        ),
+        (
+            hexadecimal(2),
+            "\"0x00000000\" in line 2 of \"deformation_rad\" is hexadecimal: write the numbers as decimal ones",
+        ),
+        (
+            again("time_s,deformation_rad,deformation_rad"),
+            "which of the columns 2 and 3 is meant, both are called \"deformation_rad\"",
+        ),
+        (
+            again("time_s,motor_position_rad,Armwinkel"),
+            "which column shows what vibrates, of Armwinkel: add a [[channel]] block",
+        ),
+    ] {
+        let folder = folder();
+        std::fs::write(folder.path().join("run.csv"), bytes).unwrap();
+        for verb in [
+            &["identify", "run.csv"][..],
+            &["diagnose", "--model", "model.toml", "run.csv"],
+        ] {
+            refused(folder.path(), verb, words);
+        }
+    }
+    // A word of status beside the channels is no number that is meant, and two columns of the same numbers are one.
+    for (header, cell) in [("status", Some("0x00A1")), ("time_s", None)] {
+        let bytes = file(SIDES, &joint(8.0, 0.03), |_, x| x);
+        let text = String::from_utf8(bytes).unwrap();
+        let mut lines = text.lines();
+        let first = format!("{},{header}\n", lines.next().unwrap());
+        let last = |row: &str| match cell {
+            Some(cell) => cell.to_owned(),
+            None => row.split(',').next().unwrap().to_owned(),
+        };
+        let rows: String = lines.map(|row| format!("{row},{}\n", last(row))).collect();
+        let folder = folder();
+        is_of_8_hertz(&identified(folder.path(), (first + &rows).as_bytes()));
+    }
+}
+
 const SIDES: [&str; 2] = ["motor_position_rad", "link_position_rad"];
 
 /// What `quell identify` prints of a file, which it reads.

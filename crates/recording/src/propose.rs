@@ -8,6 +8,8 @@ mod joint;
 mod name;
 mod pairs;
 mod render;
+mod response;
+mod unreadable;
 mod words;
 
 pub(super) use joint::distinct;

@@ -74,6 +74,9 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
     }
     channels.alone(content);
     channels.open.extend(content.columns.iter().filter_map(bad));
+    let of_clock = (0..content.columns.len()).filter(|index| clock.has(*index));
+    let doubled = channels.doubled(content, of_clock);
+    channels.open.extend(doubled);
     if channels.found.is_empty() {
         let rest = channels.unused.iter().take(MOST_ASKED);
         let names: Vec<&str> = rest
@@ -85,28 +88,6 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
         ));
     }
     channels
-}
-
-/// A sentence on the first number with a separator of thousands, with how many columns have any.
-pub fn grouped(content: &Content) -> Vec<String> {
-    let mut columns = content
-        .columns
-        .iter()
-        .filter_map(|column| Some((column, column.grouped.as_ref()?)));
-    let first = columns.next();
-    let more = match columns.count() {
-        0 => String::new(),
-        1 => ", and another column like it".into(),
-        n => format!(", and {n} more columns like it"),
-    };
-    let told = first.map(|(column, bad)| {
-        let (text, place, title) = (&bad.text, &bad.place, &column.title);
-        format!(
-            "{text:?} in {place} of {title:?} has a separator of thousands{more}: write the numbers without it, in the program \
-             that exports them or by a replacement in the file"
-        )
-    });
-    told.into_iter().collect()
 }
 
 /// A sentence on the first cell that is no number in a column of numbers.
@@ -162,6 +143,30 @@ impl Channels {
                 });
             }
         }
+    }
+
+    /// Sentences on columns in use, those of the clock among them, whose name another column has, too, with other numbers.
+    fn doubled(&self, content: &Content, of_clock: impl Iterator<Item = usize>) -> Vec<String> {
+        let used = self.found.iter().flat_map(|found| found.columns.clone());
+        let used: Vec<usize> = used.chain(of_clock).collect();
+        let all = &content.columns;
+        let twin = |own: usize| {
+            let is_twin = |other: &usize| {
+                let same = all[own].numbers.iter().zip(&all[*other].numbers);
+                let mut same = same.map(|(a, b)| a == b || a.is_nan() && b.is_nan());
+                all[*other].title == all[own].title && !same.all(|same| same)
+            };
+            let other = (0..all.len()).find(|other| *other != own && is_twin(other))?;
+            let [first, second] = [own.min(other), own.max(other)].map(|index| index + 1);
+            Some(format!(
+                "which of the columns {first} and {second} is meant, both are called {:?}: say it in the manifest, where columns \
+                 are called by their numbers",
+                all[own].title
+            ))
+        };
+        let mut told: Vec<String> = used.into_iter().filter_map(twin).collect();
+        told.dedup();
+        told
     }
 
     /// A single column of numbers without a known name is taken for the vibration.

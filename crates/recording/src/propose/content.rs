@@ -60,7 +60,8 @@ pub struct Bad {
     pub row: usize,
     /// Its text.
     pub text: String,
-    /// Its line, or its row in a Parquet file, in words; known of columns that are numbers but for a few cells.
+    /// Its line, or its row in a Parquet file, in words; known of columns that are numbers but for a few cells,
+    /// and of hexadecimal ones.
     pub place: String,
 }
 
@@ -168,11 +169,23 @@ impl Content {
     }
 }
 
+impl Bad {
+    /// Whether it is a number to the base 16.
+    pub fn is_hexadecimal(&self) -> bool {
+        let digits = self
+            .text
+            .strip_prefix("0x")
+            .or_else(|| self.text.strip_prefix("0X"));
+        digits.is_some_and(|own| !own.is_empty() && own.bytes().all(|b| b.is_ascii_hexdigit()))
+    }
+}
+
 /// Tells where the bad cells of columns of numbers are.
 fn place(columns: &mut [Column], table: &Table) {
     for (index, column) in columns.iter_mut().enumerate() {
         let is_wanted = column.is_mostly_numeric();
-        let bad = column.bad.as_mut().filter(|_| is_wanted);
+        let is_told = |bad: &&mut Bad| is_wanted || bad.is_hexadecimal();
+        let bad = column.bad.as_mut().filter(is_told);
         for bad in bad.into_iter().chain(&mut column.grouped) {
             bad.place = table.place(bad.row, index);
         }
@@ -223,6 +236,20 @@ impl Column {
             self.begins.push(self.numbers.len() - 1);
         }
         missing
+    }
+
+    /// Its name in a manifest, with its title where that is another one.
+    pub fn told(&self) -> String {
+        match self.called == self.title || self.title.is_empty() {
+            true => self.called.clone(),
+            false => format!("{} ({})", self.called, self.title),
+        }
+    }
+
+    /// Whether a text is its name in the header, where a unit may stand in a row of its own.
+    pub fn is_called(&self, text: &str) -> bool {
+        let rest = self.title.strip_prefix(text);
+        !text.is_empty() && rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(" ["))
     }
 
     /// Whether its cells are numbers, or missing.

@@ -24,7 +24,7 @@ const FORMS: [(char, char); 8] = [
 pub struct Form {
     /// The form.
     pub layout: Layout,
-    /// Names of the columns, if the layout has no header because a row of units stands below it.
+    /// Names of the columns, if the layout has no header because a row of units stands below it, or one name stands twice.
     pub names: Option<Vec<String>>,
 }
 
@@ -74,6 +74,13 @@ pub fn of(text: &str) -> Option<Form> {
         }
         Some(_) => {}
     }
+    if let Some(line) = header.filter(|_| names.is_none()) {
+        names = repeated(lines[line], delimiter);
+        if names.is_some() {
+            layout.header = Some(false);
+            layout.skip = Some(first);
+        }
+    }
     let commented = lines.iter().enumerate().find(|(line, text)| {
         marked(text) && Some(*line) != header && layout.skip.is_none_or(|skip| *line >= skip)
     });
@@ -88,6 +95,14 @@ pub fn of(text: &str) -> Option<Form> {
         layout.comment = Some('R');
     }
     Some(Form { layout, names })
+}
+
+/// The names of a header in which one stands twice: the columns are then called by their numbers.
+fn repeated(header: &str, delimiter: char) -> Option<Vec<String>> {
+    let names = split(header.trim_start().trim_start_matches(MARKS), delimiter);
+    let again = |(k, name): (usize, &&str)| !name.is_empty() && names[..k].contains(name);
+    let is_one = names.iter().enumerate().any(again);
+    is_one.then(|| names.iter().map(|name| (*name).to_owned()).collect())
 }
 
 /// Rows times columns of numbers, by this separator and decimal mark.

@@ -6,7 +6,7 @@ use super::super::stamp::TimeUnit;
 use super::clock::{self, Clock};
 use super::columns::{self, Channel, Channels};
 use super::content::{Column, Content};
-use super::{Guess, Proposal, Proposed, joint, manifest_name};
+use super::{Guess, Proposal, Proposed, joint, manifest_name, response, unreadable};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
@@ -34,6 +34,10 @@ pub fn proposal(path: &Path, contents: &[Content]) -> Proposal {
                 .into_iter()
                 .map(|sentence| place.clone() + &sentence),
         );
+    }
+    let lacking = response::lacking(files.iter().map(|file| (file.content, &file.channels)));
+    if open.is_empty() {
+        open.extend(lacking);
     }
     let mut manifests = Vec::new();
     if are_one_run(&files) {
@@ -100,9 +104,9 @@ impl Read<'_> {
     /// Open questions that matter.
     fn open(&self) -> Vec<String> {
         // What else is open is so for that reason.
-        let grouped = columns::grouped(self.content);
-        if !grouped.is_empty() {
-            return grouped;
+        let unreadable = unreadable::of(self.content, &self.channels);
+        if !unreadable.is_empty() {
+            return unreadable;
         }
         let mut open = self.channels.open.clone();
         match &self.clock {
@@ -161,7 +165,7 @@ fn manifest(name: String, title: &str, files: &[Read], test: Option<&str>) -> Pr
                     .as_ref()
                     .is_none_or(|(used, _)| !std::ptr::eq(*used, *own))
             })
-            .map(|own| own.title.as_str())
+            .map(Column::told)
             .collect();
         if !unused.is_empty() {
             let _ = writeln!(

@@ -1,0 +1,71 @@
+//! What keeps a file from being one table of numbers, so that no other question about it has a meaning.
+
+use super::columns::{self, Channels};
+use super::content::{Bad, Column, Content};
+
+/// Sentences on that, without a full stop; none for a file that can be read.
+pub fn of(content: &Content, channels: &Channels) -> Vec<String> {
+    let all = [
+        restarted(content),
+        grouped(content),
+        hexadecimal(content, channels),
+    ];
+    all.into_iter().flatten().take(1).collect()
+}
+
+/// On the first line that repeats the header: the logger was started again there.
+fn restarted(content: &Content) -> Option<String> {
+    let repeats = |column: &&Column| {
+        let bad = column.bad.as_ref().filter(|_| column.is_mostly_numeric());
+        bad.is_some_and(|bad| column.is_called(&bad.text))
+    };
+    let column = content.columns.iter().find(repeats)?;
+    let place = &column.bad.as_ref()?.place;
+    Some(format!(
+        "{place} repeats the header: the logger was started again there; make a file of each part"
+    ))
+}
+
+/// On the first number with a separator of thousands.
+fn grouped(content: &Content) -> Option<String> {
+    let of = |column: &Column| Some(told(column, column.grouped.as_ref()?));
+    let mut all = content.columns.iter().filter_map(of);
+    let first = all.next()?;
+    Some(format!(
+        "{first} has a separator of thousands{}: write the numbers without it, in the program that exports them or by a \
+         replacement in the file",
+        more(all.count())
+    ))
+}
+
+/// On the first column of hexadecimal numbers that may be meant; a word of status beside the channels is none.
+fn hexadecimal(content: &Content, channels: &Channels) -> Option<String> {
+    let is_meant = |index| channels.found.is_empty() || columns::role(content, index).is_some();
+    let of = |(index, column): (usize, &Column)| {
+        let column = is_meant(index).then_some(column)?;
+        let bad = column.bad.as_ref().filter(|bad| bad.is_hexadecimal())?;
+        Some(told(column, bad))
+    };
+    let mut all = content.columns.iter().enumerate().filter_map(of);
+    let first = all.next()?;
+    Some(format!(
+        "{first} is hexadecimal{}: write the numbers as decimal ones, with their sign, in the program that exports them or by \
+         a replacement in the file",
+        more(all.count())
+    ))
+}
+
+/// A cell with its place.
+fn told(column: &Column, bad: &Bad) -> String {
+    let (text, place, title) = (&bad.text, &bad.place, &column.title);
+    format!("{text:?} in {place} of {title:?}")
+}
+
+/// How many columns are like the first.
+fn more(others: usize) -> String {
+    match others {
+        0 => String::new(),
+        1 => ", and another column like it".into(),
+        n => format!(", and {n} more columns like it"),
+    }
+}
