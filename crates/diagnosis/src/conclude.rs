@@ -20,9 +20,8 @@ use super::search::Search;
 use super::split::HeldOut;
 use super::summary::{odds, summary, times};
 use super::tracker_scale::TrackerScale;
+use super::units::told_in;
 use quell_model::Model;
-use quell_model::effects::ParameterRole;
-use std::f64::consts::TAU;
 
 /// Remark on intervals without a bootstrap.
 const UNDRAWN: &str =
@@ -263,11 +262,7 @@ fn parameters(
     for (count, term) in terms.enumerate() {
         let own = &point.terms[term];
         for (index, parameter) in own.effect.parameters.iter().enumerate() {
-            // A mode is reported in hertz, as everywhere outside of the equations.
-            let (factor, unit) = match parameter.role {
-                ParameterRole::Frequency => (TAU.recip(), "Hz".into()),
-                _ => (1.0, parameter.quantity.unit(&units)),
-            };
+            let (factor, unit) = told_in(parameter, &units);
             let ci95 = scatter.interval(search.problem, point, Global::Parameter(term, index));
             all.push(FittedParameter {
                 name: match count {

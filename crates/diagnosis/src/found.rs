@@ -1,10 +1,12 @@
 //! The result of a search: the reported explanation, those that the data cannot tell from it, and the
 //! probability of each effect.
 
+use super::excitation::figure;
 use super::explanation::Explanation;
 use super::point::{EffectAt, Global, Point};
 use super::pool::Pool;
 use super::search::Search;
+use super::units::{told_in, units};
 use quell_model::effects::ParameterRole;
 use std::f64::consts::TAU;
 
@@ -133,11 +135,15 @@ impl Search<'_> {
         own: &Explanation,
     ) -> Option<String> {
         if let Some((term, index)) = own.at_end {
-            let term = &own.fitted.point.terms[term];
-            let parameter = term.effect.parameters[index].name;
-            let (effect, value) = (term.effect.name, term.values[index]);
+            let point = &own.fitted.point;
+            let term = &point.terms[term];
+            let parameter = &term.effect.parameters[index];
+            let (factor, unit) = told_in(parameter, &units(self.problem, point));
             Some(format!(
-                "{parameter} of {effect}, {value:.3e}, is at the end of its range"
+                "the {} of {}, {}, is at the end of its range",
+                term.effect.parameter_title(parameter.name),
+                term.effect.title,
+                figure(factor * term.values[index], &unit)
             ))
         } else if !self.problem.is_meaningful(own, temperature) {
             Some("a parameter may be anything within its range".into())

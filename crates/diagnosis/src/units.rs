@@ -2,9 +2,10 @@
 
 use super::point::Point;
 use super::problem::Problem;
-use quell_model::effects::Units;
+use quell_model::effects::{Parameter, ParameterRole, Units};
 use quell_model::{Experiment, Output};
 use quell_recording::Role;
+use std::f64::consts::TAU;
 
 /// Units of force, position, the drive's input and the reference. Where forces are divided by a stiffness they are
 /// positions; within a position loop the drive is given a force.
@@ -23,6 +24,14 @@ pub fn units(problem: &Problem, point: &Point) -> Units {
         position: experiment.position_unit.clone(),
         force: force.clone(),
         reference: experiment.input_unit.clone(),
+    }
+}
+
+/// Factor and unit of a parameter for people. A mode is told in hertz, as everywhere outside of the equations.
+pub fn told_in(parameter: &Parameter, units: &Units) -> (f64, String) {
+    match parameter.role {
+        ParameterRole::Frequency => (TAU.recip(), "Hz".into()),
+        _ => (1.0, parameter.quantity.unit(units)),
     }
 }
 

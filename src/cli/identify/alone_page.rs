@@ -3,7 +3,7 @@
 use super::alone::{self, Alone};
 use super::printer::{self, Tuned};
 use crate::identification::output_only::{Excitation, FoundMode, density};
-use crate::page::{Chart, Figure, Page, Table, Verdict, number};
+use crate::page::{Chart, Figure, Page, Table, Verdict, decimals_beside, fixed};
 use quell_shapers::residual_vibration;
 
 const TAU: f64 = core::f64::consts::TAU;
@@ -33,26 +33,15 @@ pub fn page(all: &[Alone], tuned: &[Tuned]) -> Page {
             Some(advice) => format!("Recommended shaper: {}", first.recommended(advice)),
             None => "No shaper can be designed for these modes.".into(),
         };
-        let std = number(
-            format!("{:.1e}", mode.known.natural_frequency_std / TAU)
-                .parse()
-                .unwrap_or(0.0),
-        );
-        let damping = number(
-            format!("{:.1e}", mode.known.damping_ratio_std)
-                .parse()
-                .unwrap_or(0.0),
-        );
+        let [[hertz, std], [ratio, of_ratio]] = quoted(mode);
         page = page
             .verdict(Verdict::Good, sentence)
             .figure(
-                Figure::new("natural frequency", mode.known.mode.hertz(), "Hz")
-                    .note(format!("\u{b1} {std}")),
+                Figure::text("natural frequency", hertz)
+                    .unit("Hz")
+                    .note(format!("\u{b1} {std} (one standard deviation)")),
             )
-            .figure(
-                Figure::new("damping ratio", mode.known.mode.damping_ratio(), "")
-                    .note(format!("\u{b1} {damping}")),
-            );
+            .figure(Figure::text("damping ratio", ratio).note(format!("\u{b1} {of_ratio}")));
     }
     for one in all {
         page = page.heading(one.recording.clone()).table(modes(one));
@@ -83,6 +72,14 @@ pub fn page(all: &[Alone], tuned: &[Tuned]) -> Page {
     page
 }
 
+/// Frequency, Hz, and damping ratio of a mode, each with its standard deviation, to two digits of that.
+fn quoted(mode: &FoundMode) -> [[String; 2]; 2] {
+    let known = &mode.known;
+    let hertz = [known.mode.hertz(), known.natural_frequency_std / TAU];
+    let ratio = [known.mode.damping_ratio(), known.damping_ratio_std];
+    [hertz, ratio].map(|own| own.map(|value| fixed(value, decimals_beside(own[1], 2))))
+}
+
 fn modes(one: &Alone) -> Table {
     let mut table = Table::new("Modes")
         .text_column("mode")
@@ -92,12 +89,13 @@ fn modes(one: &Alone) -> Table {
         .column("std", "")
         .column("amplitude", "%");
     for (k, mode) in one.found.modes.iter().enumerate() {
+        let [[hertz, std], [ratio, of_ratio]] = quoted(mode);
         table = table.row([
             format!("{}", k + 1).into(),
-            mode.known.mode.hertz().into(),
-            (mode.known.natural_frequency_std / TAU).into(),
-            mode.known.mode.damping_ratio().into(),
-            mode.known.damping_ratio_std.into(),
+            hertz.into(),
+            std.into(),
+            ratio.into(),
+            of_ratio.into(),
             (100.0 * mode.share).into(),
         ]);
     }
