@@ -67,7 +67,7 @@ pub struct Args {
         long,
         value_name = "PERCENT",
         default_value_t = 25.0,
-        value_parser = values::finite,
+        value_parser = values::frequency_error,
         allow_negative_numbers = true
     )]
     pub belief_error: f64,
@@ -90,10 +90,10 @@ pub struct Args {
           allow_negative_numbers = true)]
     pub jerk: Option<f64>,
     /// Adds the move as fast as it may be when it leaves so much vibration, percent of the unshaped.
-    #[arg(long, value_name = "PERCENT", value_parser = values::positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PERCENT", value_parser = values::residual, allow_negative_numbers = true)]
     pub residual: Option<f64>,
     /// Adds the move as fast as it may be when the tip leaves its path, or vibrates at its end, by so much, mm.
-    #[arg(long, value_name = "MM", value_parser = values::positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = values::limit, allow_negative_numbers = true)]
     pub deviation: Option<f64>,
     #[command(flatten)]
     simulation: SimulationArgs,

@@ -68,14 +68,14 @@ pub fn robot(file: Option<&Path>) -> Result<Robot, CliError> {
 #[derive(Debug, clap::Args)]
 pub struct SimulationArgs {
     /// Load at the tip, kg; what is believed of the joint does not know of it.
-    #[arg(long, value_name = "KG", default_value_t = 0.0, value_parser = values::not_negative,
+    #[arg(long, value_name = "KG", default_value_t = 0.0, value_parser = values::size,
           allow_negative_numbers = true)]
     pub payload: f64,
     /// Where the damper sits [default: as the description says].
     #[arg(long, value_parser = choices::dampings())]
     pub damping: Option<Damping>,
     /// Noise of the tracker, one standard deviation, um [default: the robot's].
-    #[arg(long, visible_alias = "noise-um", value_name = "UM", value_parser = values::not_negative,
+    #[arg(long, visible_alias = "noise-um", value_name = "UM", value_parser = values::size,
           allow_negative_numbers = true)]
     pub noise: Option<f64>,
     /// Seed of the simulated noise.

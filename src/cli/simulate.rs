@@ -70,11 +70,11 @@ pub struct Args {
     #[arg(long, value_parser = choices::shapers())]
     pub shaper: Option<&'static dyn Shaper>,
     /// Moves as fast as they may be when they leave so much vibration of the believed modes, percent of the unshaped.
-    #[arg(long, value_name = "PERCENT", value_parser = values::positive, allow_negative_numbers = true,
+    #[arg(long, value_name = "PERCENT", value_parser = values::residual, allow_negative_numbers = true,
           conflicts_with_all = ["shaper", "command"])]
     pub residual: Option<f64>,
     /// Moves as fast as they may be when the tip vibrates at their ends by so much, mm.
-    #[arg(long, value_name = "MM", value_parser = values::positive, allow_negative_numbers = true,
+    #[arg(long, value_name = "MM", value_parser = values::limit, allow_negative_numbers = true,
           conflicts_with_all = ["shaper", "command"])]
     pub deviation: Option<f64>,
     /// The believed mode, natural frequency in Hz and damping ratio; several are shaped for at once

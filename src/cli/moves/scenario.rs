@@ -6,11 +6,13 @@ use quell_trajectories::Limits;
 use super::Args;
 use crate::cli::CliError;
 use crate::closed_loop::Scenario;
-use crate::plant::{Robot, RobotJoint};
+use crate::plant::Robot;
 
 /// The longest period that a belief may have, s. A move and its decay are simulated for 20 s, and the
 /// longest shaper lasts two periods.
 const LONGEST_PERIOD: f64 = 10.0;
+/// The fewest ticks in a damped period: shapers take two in half of it.
+const FEWEST_TICKS: f64 = 4.0;
 
 /// The scenario of the arguments.
 ///
@@ -33,7 +35,7 @@ pub fn from(args: &Args) -> Result<Scenario, CliError> {
 
 /// The believed mode of a joint that vibrates.
 fn belief(args: &Args, robot: &Robot, joint: usize) -> Result<Mode, CliError> {
-    belief_of(args, &robot.joints[joint])?.ok_or_else(|| {
+    belief_of(args, robot, joint)?.ok_or_else(|| {
         let text = format!(
             "joint {} of {} has no mode: it does not ring",
             joint + 1,
@@ -46,8 +48,12 @@ fn belief(args: &Args, robot: &Robot, joint: usize) -> Result<Mode, CliError> {
 }
 
 /// The believed mode: given, or the joint's own with a wrong frequency; `None` for a stiff joint.
-pub(super) fn belief_of(args: &Args, joint: &RobotJoint) -> Result<Option<Mode>, CliError> {
-    let Some(own) = joint.modes.first() else {
+pub(super) fn belief_of(
+    args: &Args,
+    robot: &Robot,
+    joint: usize,
+) -> Result<Option<Mode>, CliError> {
+    let Some(own) = robot.joints[joint].modes.first() else {
         return Ok(None);
     };
     let wrong = || {
@@ -58,13 +64,19 @@ pub(super) fn belief_of(args: &Args, joint: &RobotJoint) -> Result<Option<Mode>,
         })
     };
     let belief = args.belief.map_or_else(wrong, Ok)?;
-    match belief.damped_period() > LONGEST_PERIOD {
-        true => Err(CliError::input(format!(
-            "a belief of {:e} Hz: a period of more than {LONGEST_PERIOD} s is not simulated",
-            belief.hertz()
-        ))),
-        false => Ok(Some(belief)),
+    let periods = FEWEST_TICKS / robot.control_rate..=LONGEST_PERIOD;
+    if periods.contains(&belief.damped_period()) {
+        return Ok(Some(belief));
     }
+    let option = match args.belief {
+        Some(_) => "--belief".to_owned(),
+        None => format!("--belief-error {:e}", args.belief_error),
+    };
+    let hertz = belief.hertz();
+    let [low, high] = [periods.end(), periods.start()].map(|period| 1.0 / period);
+    Err(CliError::input(format!(
+        "{option}: the damped frequency of a belief of {hertz:e} Hz is not from {low} to {high} Hz"
+    )))
 }
 
 fn displacement(args: &Args, robot: &Robot) -> Result<f64, CliError> {

@@ -81,12 +81,12 @@ fn joints(args: &Args, robot: &Robot) -> Result<Vec<PathJoint>, CliError> {
             );
             return Err(CliError::input(text).with_help("a target of 0 leaves it where it stands"));
         }
-        let own = &robot.joints[joint];
+        let own = robot.joints[joint].limits;
         joints.push(PathJoint {
             joint,
             displacement: target.to_radians(),
-            limits: scenario::limits(args, own.limits),
-            belief: scenario::belief_of(args, own)?,
+            limits: scenario::limits(args, own),
+            belief: scenario::belief_of(args, robot, joint)?,
         });
     }
     match joints.len() {
