@@ -4,7 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use quell::recording::{McapWriter, Role};
-use quell::service::recorder::Shelf;
+use quell::service::contract::MoveResult;
+use quell::service::recorder::{About, RecordingEnd, Shelf};
 
 use super::{BOUNDS, check_recording, names};
 
@@ -57,6 +58,36 @@ fn a_file_that_a_kill_has_cut_is_mended_for_other_readers() {
     let list = shelf.list().expect("a list");
     assert_eq!((list[0].about.number, shelf.number()), (7, 8));
     assert_eq!(shelf.last_move().expect("a number"), 9);
+}
+
+/// The disk has refused the end of a recording: the result of its move is known nevertheless.
+#[test]
+fn the_result_of_a_move_outlives_a_disk_that_refuses_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let shelf = Shelf::open(folder.path(), BOUNDS).expect("a shelf");
+    for name in ["move-000003", "move-000004"] {
+        let left = unfinished(folder.path(), name);
+        journal(&left.join("recording.mcap"), 1500);
+    }
+    let known = About {
+        number: 7,
+        joint: "hip".into(),
+        result: Some(MoveResult {
+            id: 3,
+            joint: "hip".into(),
+            ..MoveResult::default()
+        }),
+        ..About::default()
+    };
+    let known = [("move-000003".to_owned(), known)];
+    let salvaged = shelf.salvage(&[], &known).expect("room");
+    assert_eq!(salvaged.len(), 2);
+    let about = shelf.about("move-000003").expect("a description");
+    assert_eq!(about.result.map(|result| result.id), Some(3));
+    assert_eq!(about.ended, RecordingEnd::Cut);
+    assert!(about.duration_s > 1.0, "{}", about.duration_s);
+    let other = shelf.about("move-000004").expect("a description");
+    assert!(other.result.is_none() && other.number == 7);
 }
 
 #[test]

@@ -23,6 +23,9 @@ const AFTER: f64 = 1.0;
 const EVERY: f64 = 0.25;
 /// Interval at which the folder is looked at, and a disk that has refused a write is tried again, s.
 const AGAIN: f64 = 1.0;
+/// Most subjects that are kept of recordings whose end the disk has refused. Only the first can have a file: a disk that fails
+/// takes no new one.
+const REFUSED: usize = 256;
 
 /// The recorder's task.
 pub struct Task {
@@ -37,6 +40,8 @@ pub struct Task {
     asked: f64,
     /// Whether an unfinished recording waits for room.
     unfinished: bool,
+    /// Names and subjects of those whose end the disk has refused.
+    refused: Vec<(String, About)>,
 }
 
 impl Task {
@@ -45,6 +50,7 @@ impl Task {
         Self {
             // The shelf could not be put in order.
             unfinished: shelf.disk().is_failing(DiskPart::Recordings),
+            refused: Vec::new(),
             handle,
             shelf,
             before: VecDeque::new(),
@@ -265,6 +271,7 @@ impl Task {
             ..
         } = running;
         let wanted = name.clone();
+        let subject = about.clone();
         let kept = self.on_disk(move |shelf| {
             shelf.told(shelf.put(&wanted, &about, |draft| {
                 let (path, file) = draft.mcap()?;
@@ -273,6 +280,14 @@ impl Task {
             }))
         });
         let kept = kept.await;
+        if kept.is_err() && self.refused.len() < REFUSED {
+            // What is on the disk of it was cut there.
+            let subject = About {
+                ended: RecordingEnd::Cut,
+                ..subject
+            };
+            self.refused.push((shelf::name_of(&name), subject));
+        }
         self.tell(id, &name, &kept);
         self.tidy().await;
         kept
@@ -316,8 +331,9 @@ impl Task {
             return;
         }
         let being_made: Vec<_> = self.running.iter().map(|one| one.name.clone()).collect();
+        let known = self.refused.clone();
         let salvaged = self.on_disk(move |shelf| {
-            let salvaged = shelf.salvage(&being_made);
+            let salvaged = shelf.salvage(&being_made, &known);
             match salvaged.is_ok() {
                 true => salvaged,
                 false => shelf.told(salvaged),
@@ -325,6 +341,7 @@ impl Task {
         });
         let Ok(salvaged) = salvaged.await else { return };
         self.unfinished = false;
+        self.refused.clear();
         for (name, about) in salvaged {
             if let Some(result) = about.result {
                 let move_id = result.id;

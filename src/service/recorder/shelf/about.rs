@@ -48,7 +48,7 @@ pub struct About {
     pub mode: Option<ModeValue>,
     /// Payload of the embedded arm, kg.
     pub payload_kg: Option<f64>,
-    /// The result of the move; absent where the recording was made on demand, or the service was killed.
+    /// The result of the move, also where the disk took no more of it; absent where the recording was made on demand, or the service was killed.
     pub result: Option<MoveResult>,
     /// Why it ended.
     pub ended: RecordingEnd,

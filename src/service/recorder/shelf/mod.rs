@@ -120,7 +120,7 @@ impl Shelf {
         shelf.count()?;
         shelf.remove_leaving()?;
         // The disk keeps an error here; it does not prevent the start.
-        let _ = shelf.told(shelf.salvage(&[]).and_then(|_| shelf.check()));
+        let _ = shelf.told(shelf.salvage(&[], &[]).and_then(|_| shelf.check()));
         if let Err(error) = shelf.tidy() {
             tracing::warn!(%error, "recordings take more than they may");
         }

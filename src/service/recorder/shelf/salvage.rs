@@ -21,12 +21,17 @@ enum Left {
 
 impl Shelf {
     /// Stores unfinished recordings on the shelf, except running ones. Their MCAP files are repaired, so that
-    /// other programs can read them, too. Unreadable ones are set aside, not removed. Returns the new entries
-    /// of the shelf.
+    /// other programs can read them, too. Unreadable ones are set aside, not removed. `known` are the subjects of
+    /// recordings whose end the disk has refused, by name: the file in the folder does not have the end. Returns the
+    /// new entries of the shelf.
     ///
     /// # Errors
     /// [`ShelfError`] where the disk refuses; the rest stays as it is, for another attempt.
-    pub fn salvage(&self, but: &[String]) -> Result<Vec<(String, About)>, ShelfError> {
+    pub fn salvage(
+        &self,
+        but: &[String],
+        known: &[(String, About)],
+    ) -> Result<Vec<(String, About)>, ShelfError> {
         let mut salvaged = Vec::new();
         for folder in self.hidden(UNFINISHED)? {
             let name = folder.file_name().unwrap_or_default().to_string_lossy();
@@ -40,7 +45,10 @@ impl Shelf {
                     self.remove(&folder)?;
                 }
                 Left::Recording(recording, mended) => {
-                    let kept = self.put_mended(&name, &folder, *recording, &mended)?;
+                    let own = known.iter().rfind(|(known, _)| *known == name);
+                    let about = own.map(|(_, about)| about.clone());
+                    let about = about.unwrap_or_else(|| about::read(&folder).unwrap_or_default());
+                    let kept = self.put_mended(&name, &folder, about, (*recording, &mended))?;
                     tracing::info!(name = kept.0, "kept as far as it came");
                     salvaged.push(kept);
                 }
@@ -54,10 +62,9 @@ impl Shelf {
         &self,
         name: &str,
         folder: &Path,
-        mut recording: Recording,
-        mended: &Mended,
+        mut about: About,
+        (mut recording, mended): (Recording, &Mended),
     ) -> Result<(String, About), ShelfError> {
-        let mut about = about::read(folder).unwrap_or_default();
         let command = recording.channel(Role::CommandPosition);
         let ends = command.and_then(|command| Some((command.time.first()?, command.time.last()?)));
         about.duration_s = ends.map_or(0.0, |(first, last)| last - first);
