@@ -3,7 +3,6 @@
 
 use super::point::Point;
 use super::pool::Pool;
-use super::screen::Table;
 use super::search::Search;
 
 impl Search<'_> {
@@ -15,13 +14,7 @@ impl Search<'_> {
             return false;
         }
         for kept in without_two(&best.fitted.point) {
-            if self.is_over() {
-                break;
-            }
-            let known = pool.like(&kept).cloned();
-            let kept = known.unwrap_or_else(|| self.refitted(&kept));
-            pool.add(kept.clone());
-            self.extend_new(pool, &kept, Table::Named, false);
+            self.extend_part(pool, &kept);
         }
         !pool.best(self.judge).is_like(&best)
     }

@@ -71,7 +71,6 @@ mod range;
 mod refitted;
 mod remarks;
 mod residual_of;
-mod rivals;
 mod rounding;
 mod run;
 mod run_of;

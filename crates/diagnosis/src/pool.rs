@@ -2,10 +2,12 @@
 
 use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
+use super::found::least_credible;
 use super::judge::Judge;
 use super::point::Point;
 use super::screen::Table;
 use super::thresholds::BEAM;
+use quell_model::effects::Place;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
@@ -20,11 +22,10 @@ const HOPELESS: f64 = 10.0;
 /// Source: Kennedy and O'Hagan, J. Royal Statistical Society B 63 (2001).
 const DISCREPANCY: f64 = 0.1;
 
-/// An explanation, and the tables whose effects have extended it.
+/// An explanation, and what was done with it.
 #[derive(Clone)]
 struct Entry {
     own: Explanation,
-    extended: Vec<Table>,
     /// Whether it was fitted again without each of its effects.
     thinned: bool,
     /// Whether it was fitted again from the optimum of all rows.
@@ -35,7 +36,6 @@ impl Entry {
     fn new(own: Explanation) -> Self {
         Self {
             own,
-            extended: Vec::new(),
             thinned: false,
             from_all: false,
         }
@@ -47,6 +47,9 @@ impl Entry {
 pub struct Pool {
     /// In the order in which they were found; the first is the model as it was given, refitted.
     all: Vec<Entry>,
+    /// The structures that were extended, each by the effects of a table. A structure that is not kept when the noise is
+    /// measured again stays among them.
+    extended: Vec<(Vec<(&'static str, Place)>, Table)>,
     /// Whether structures of more effects than the best one's were searched ahead.
     pub looked_ahead: bool,
     /// Whether the search was ended while there were structures left that it would have fitted.
@@ -58,6 +61,7 @@ impl Pool {
     pub fn new(baseline: Explanation) -> Self {
         Self {
             all: vec![Entry::new(baseline)],
+            extended: Vec::new(),
             looked_ahead: false,
             is_unfinished: false,
         }
@@ -109,7 +113,6 @@ impl Pool {
             Entry {
                 // A parameter may have reached the end of its range, and the structures without its effect may not be kept.
                 thinned: entry.thinned && !own.is_meaningless,
-                extended: entry.extended.clone(),
                 from_all: entry.from_all,
                 own,
             }
@@ -117,6 +120,7 @@ impl Pool {
         let kept = self.all.par_iter().filter(|entry| is_kept(&entry.own));
         Self {
             all: kept.map(entry).collect(),
+            extended: self.extended.clone(),
             looked_ahead: self.looked_ahead,
             is_unfinished: self.is_unfinished,
         }
@@ -138,6 +142,14 @@ impl Pool {
         self.ranked(self.temperature(judge))[0].0
     }
 
+    /// The explanations of the credible set, the most probable first.
+    pub fn credible(&self, judge: &Judge) -> Vec<Explanation> {
+        let ranked = self.ranked(self.temperature(judge));
+        let least = least_credible(ranked[0].1);
+        let credible = ranked.into_iter().filter(|own| own.1 > least);
+        credible.map(|own| own.0.clone()).collect()
+    }
+
     /// The most likely structures of a number of named effects, were only noise left in the end.
     pub fn most_likely(&self, count: usize) -> Vec<Explanation> {
         let ranked = self.ranked(CALIBRATED).into_iter().map(|own| own.0);
@@ -147,9 +159,7 @@ impl Pool {
 
     /// Marks a structure as extended by the effects of a table.
     pub fn mark(&mut self, own: &Explanation, table: Table) {
-        let like = |entry: &&mut Entry| entry.own.is_like(own);
-        let entries = self.all.iter_mut().filter(like);
-        entries.for_each(|entry| entry.extended.push(table));
+        self.extended.push((own.fitted.point.structure(), table));
     }
 
     /// The next explanation of several effects to fit again without each of them: the one of the highest evidence, even with a
@@ -170,16 +180,14 @@ impl Pool {
 
     /// Whether a structure was extended by the effects of a table.
     pub fn is_extended(&self, own: &Explanation, table: Table) -> bool {
-        let mut extended = self
-            .all
-            .iter()
-            .filter(|entry| entry.extended.contains(&table));
-        extended.any(|entry| entry.own.is_like(own))
+        let structure = own.fitted.point.structure();
+        let mut all = self.extended.iter();
+        all.any(|(own, by)| *own == structure && *by == table)
     }
 
     /// How often a structure was extended.
     pub fn extended(&self) -> usize {
-        self.all.iter().map(|entry| entry.extended.len()).sum()
+        self.extended.len()
     }
 
     /// Chi-squared per row, at least 1, of the explanation that leaves least, over fitted rows and held-out
@@ -202,19 +210,6 @@ impl Pool {
         let explained = (left(first) - left(least)).max(0.0) / rows(judge);
         let wrong = (DISCREPANCY.powi(2) * explained).min(unit(least, judge) - 1.0);
         CALIBRATED * noise + wrong * first.evidence.correlation()
-    }
-
-    /// Highest log evidence that an explanation could have with one more effect: one of a single parameter that
-    /// takes all that is left beyond the least of all residuals. A parameter whose size is typical and that
-    /// lowers chi-squared by `f T` costs `ln(1 + f) / 2`.
-    pub fn hope(
-        &self,
-        (own, log_evidence): (&Explanation, f64),
-        log_odds: f64,
-        temperature: f64,
-    ) -> f64 {
-        let fall = (left(own) - left(self.least())).max(0.0) / temperature;
-        log_evidence + fall / 2.0 - (1.0 + fall).ln() / 2.0 + log_odds
     }
 
     /// The explanation with the least residual.

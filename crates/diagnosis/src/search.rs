@@ -51,8 +51,8 @@ impl Search<'_> {
                 || self.name(pool)
                 || self.exchange(pool)
                 || self.look_ahead(pool)
-                || self.extend_rivals(pool)
                 || self.fit_to_all_rows(pool)
+                || self.exchange_credible(pool)
                 || self.join(pool);
             if !is_better {
                 return;
@@ -165,23 +165,50 @@ impl Search<'_> {
     /// there is a better explanation.
     fn exchange(&self, pool: &mut Pool) -> bool {
         let best = pool.best(self.judge).clone();
-        let point = &best.fitted.point;
-        let terms = match best.terms() {
-            0 | 1 => 0..0,
-            _ => point.given_terms..point.terms.len(),
-        };
-        for term in terms {
-            let kept = pool.like(&point.without(term)).cloned();
-            if let Some(kept) = kept {
-                self.extend_new(pool, &kept, Table::Named, self.is_over());
-            }
-        }
+        self.exchange_in(pool, &best);
         if best.is_learned() {
             for own in pool.most_likely(best.terms()) {
                 self.extend_new(pool, &own, Table::Named, self.is_over());
             }
         }
         !pool.best(self.judge).is_like(&best)
+    }
+
+    /// Chooses each effect of each credible explanation again: an effect that is wrong may be what hides another one. Returns
+    /// whether there is a better explanation.
+    fn exchange_credible(&self, pool: &mut Pool) -> bool {
+        let best = pool.best(self.judge).clone();
+        for own in pool.credible(self.judge) {
+            self.exchange_in(pool, &own);
+            if !pool.best(self.judge).is_like(&best) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Chooses each effect of an explanation again beside the others.
+    fn exchange_in(&self, pool: &mut Pool, own: &Explanation) {
+        let point = &own.fitted.point;
+        let terms = match own.terms() {
+            0 | 1 => 0..0,
+            _ => point.given_terms..point.terms.len(),
+        };
+        for term in terms {
+            self.extend_part(pool, &point.without(term));
+        }
+    }
+
+    /// Extends a part of a structure by laws of the catalogue, unless that was done, or the search is over.
+    pub fn extend_part(&self, pool: &mut Pool, part: &Point) {
+        let known = pool.like(part).cloned();
+        if known.is_none() && self.is_over() {
+            pool.is_unfinished = true;
+            return;
+        }
+        let part = known.unwrap_or_else(|| self.refitted(part));
+        pool.add(part.clone());
+        self.extend_new(pool, &part, Table::Named, self.is_over());
     }
 
     /// Extends a structure by the laws of a table, unless that was done, or the search is over.
