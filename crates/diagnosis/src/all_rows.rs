@@ -6,13 +6,12 @@
 //! is that of the best of these places.
 
 use super::explanation::Explanation;
-use super::found::least_credible;
 use super::pool::Pool;
 use super::problem::Rows;
 use super::projector::Projector;
 use super::search::Search;
 use super::split::HeldOut;
-use super::thresholds::{BEAM, LONG};
+use super::thresholds::{BEAM, LONG, least_credible};
 use rayon::prelude::*;
 
 impl Search<'_> {

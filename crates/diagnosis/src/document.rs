@@ -1,8 +1,8 @@
 //! What a diagnosis says: the content of `diagnosis.json`.
 
 use super::error::DiagnosisError;
-use super::found::CREDIBLE;
 use super::law_curve::{LawCurve, LearnedLaw};
+use super::thresholds::CREDIBLE;
 use quell_model::effects::Catalogue;
 use quell_recording::Preferred;
 use serde::{Deserialize, Serialize};

@@ -20,4 +20,3 @@ pub use resonance::NoResonance;
 pub use sampled::sampled;
 pub use silent::silent;
 pub use untold::Untold;
-pub use words::figure;

@@ -1,26 +1,19 @@
 //! The result of a search: the reported explanation, those that the data cannot tell from it, and the
 //! probability of each effect.
 
-use super::excitation::figure;
 use super::explanation::Explanation;
+use super::figure::figure;
 use super::point::{EffectAt, Global, Point};
 use super::pool::Pool;
 use super::search::Search;
+use super::thresholds::CREDIBLE;
 use super::units::{told_in, units};
 use quell_model::effects::ParameterRole;
 use std::f64::consts::TAU;
 
-/// Share of the probability that the credible set holds. The widths of priors are known only within a factor of
-/// a few.
-pub const CREDIBLE: f64 = 0.99;
 /// Fall of the log predictive density of held-out rows that chance may cause: such odds are "not worth more
 /// than a bare mention" (Kass and Raftery 1995).
 const BARE_MENTION: f64 = 1.0;
-
-/// Least log evidence of an explanation of the credible set, by that of the most probable one.
-pub fn least_credible(highest: f64) -> f64 {
-    highest + (1.0 - CREDIBLE).ln()
-}
 
 /// What a search found.
 pub struct Found {

@@ -1,7 +1,7 @@
 //! What may stand in the place of a finding, with the probabilities.
 
 use super::document::{Candidate, Diagnosis, Finding};
-use super::found::CREDIBLE;
+use super::thresholds::CREDIBLE;
 use quell_model::effects::Catalogue;
 
 /// The explanations of a diagnosis, shared among what one finding may be.

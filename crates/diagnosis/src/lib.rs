@@ -29,6 +29,7 @@ mod experiments;
 mod explanation;
 mod extend;
 mod extrapolation;
+mod figure;
 mod fit;
 mod follows_motion;
 mod found;

@@ -2,10 +2,10 @@
 //! hardly turns is a constant force, and a mode far above the motion is a gain of the deformation.
 
 use super::explanation::Explanation;
-use super::found::least_credible;
 use super::point::Point;
 use super::problem::Problem;
 use super::search::Search;
+use super::thresholds::least_credible;
 use quell_model::Term;
 use quell_model::effects::{Effect, ParameterRole, Place};
 

@@ -2,11 +2,10 @@
 
 use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
-use super::found::least_credible;
 use super::judge::Judge;
 use super::point::Point;
 use super::screen::Table;
-use super::thresholds::BEAM;
+use super::thresholds::{BEAM, least_credible};
 use quell_model::effects::Place;
 use rayon::prelude::*;
 use std::cmp::Ordering;

@@ -1,7 +1,7 @@
 //! The verdict in one sentence.
 
 use super::document::{Diagnosis, Finding, Quality, Verdict};
-use super::excitation::figure;
+use super::figure::figure;
 use super::split::HeldOut;
 use super::thresholds::FLOOR;
 use super::tracker_scale::TrackerScale;

@@ -19,3 +19,11 @@ pub const LOST: f64 = 4.0;
 pub const SECOND: usize = 2;
 /// Steps after which the best of these is chosen.
 pub const SHORT: usize = 6;
+/// Share of the probability that the credible set holds. The widths of priors are known only within a factor of
+/// a few.
+pub const CREDIBLE: f64 = 0.99;
+
+/// Least log evidence of an explanation of the credible set, by that of the most probable one.
+pub fn least_credible(highest: f64) -> f64 {
+    highest + (1.0 - CREDIBLE).ln()
+}

@@ -1,7 +1,8 @@
 //! Information in the channels of a recording, before any model is fitted.
 
+use super::super::figure::figure;
 use super::sampled::dense;
-use super::words::{figure, still};
+use super::words::still;
 use crate::error::DiagnosisError;
 use quell_model::Model;
 use quell_recording::{Channel, Recording, Role};

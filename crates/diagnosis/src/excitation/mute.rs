@@ -1,6 +1,6 @@
 //! Sensors that show only noise while the machine moves.
 
-use super::words::figure;
+use super::super::figure::figure;
 use crate::error::DiagnosisError;
 use crate::spread::spread;
 use crate::units::of_values;

@@ -1,7 +1,8 @@
 //! Whether recordings show the resonance that a model has.
 
+use super::super::figure::figure;
 use super::sampled::rate;
-use super::words::{advice, figure};
+use super::words::advice;
 use crate::baseline::problem;
 use crate::data::Data;
 use crate::document::{Diagnosis, Verdict};

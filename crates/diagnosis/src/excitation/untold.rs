@@ -1,6 +1,7 @@
 //! Whether a motion determines the unknowns of a model.
 
-use super::words::{advice, figure};
+use super::super::figure::figure;
+use super::words::advice;
 use crate::document::{Diagnosis, Verdict};
 use crate::judge::Judge;
 use crate::next_move::{Information, SEPARATES};

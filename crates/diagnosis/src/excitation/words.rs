@@ -1,31 +1,11 @@
 //! Sentences on what was not excited, and what to record.
 
+use super::super::figure::figure;
 use quell_model::{Experiment, Model};
 use quell_recording::{Channel, Role};
 
 /// Ratio of amplitude to noise of a useful motion: a tenth of it is then as large as the noise of one sample.
 const WORTH: f64 = 10.0;
-
-/// A number with its unit, to three digits.
-pub fn figure(value: f64, unit: &str) -> String {
-    let size = value.abs();
-    let number = match size {
-        0.0 => "0".into(),
-        _ if (1e-3..1e5).contains(&size) => {
-            let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
-            let fixed = format!("{value:.decimals$}");
-            match fixed.contains('.') {
-                true => fixed.trim_end_matches('0').trim_end_matches('.').into(),
-                false => fixed,
-            }
-        }
-        _ => format!("{value:.2e}"),
-    };
-    match unit {
-        "" | "1" => number,
-        unit => format!("{number} {unit}"),
-    }
-}
 
 /// `motor_position stays at 0 rad and deformation at 0 rad`.
 pub fn still<'a>(channels: impl Iterator<Item = &'a Channel>) -> String {
@@ -70,20 +50,5 @@ pub fn advice(model: &Model, experiment: &Experiment, noise: f64) -> String {
             output.channel,
             figure(WORTH * noise * output.scale, &output.unit)
         ),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::figure;
-
-    #[test]
-    fn figures_have_three_digits() {
-        assert_eq!(figure(0.0, "rad"), "0 rad");
-        assert_eq!(figure(-0.123456, "rad"), "-0.123 rad");
-        assert_eq!(figure(30.0, "deg"), "30 deg");
-        assert_eq!(figure(12345.6, "N"), "12346 N");
-        assert_eq!(figure(1.234e-6, "1"), "1.23e-6");
-        assert_eq!(figure(1e300, "m"), "1.00e300 m");
     }
 }
