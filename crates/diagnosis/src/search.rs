@@ -190,24 +190,25 @@ impl Search<'_> {
     /// Chooses each effect of an explanation again beside the others.
     fn exchange_in(&self, pool: &mut Pool, own: &Explanation) {
         let point = &own.fitted.point;
-        let terms = match own.terms() {
-            0 | 1 => 0..0,
-            _ => point.given_terms..point.terms.len(),
-        };
-        for term in terms {
+        for term in point.given_terms..point.terms.len() {
             self.extend_part(pool, &point.without(term));
         }
     }
 
     /// Extends a part of a structure by laws of the catalogue, unless that was done, or the search is over.
     pub fn extend_part(&self, pool: &mut Pool, part: &Point) {
-        let known = pool.like(part).cloned();
-        if known.is_none() && self.is_over() {
-            pool.is_unfinished = true;
-            return;
-        }
-        let part = known.unwrap_or_else(|| self.refitted(part));
-        pool.add(part.clone());
+        let part = match pool.like(part).cloned() {
+            Some(known) => known,
+            None if self.is_over() => {
+                pool.is_unfinished = true;
+                return;
+            }
+            None => {
+                let fitted = self.refitted(part);
+                pool.add(fitted.clone());
+                fitted
+            }
+        };
         self.extend_new(pool, &part, Table::Named, self.is_over());
     }
 

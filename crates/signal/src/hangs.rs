@@ -43,16 +43,21 @@ impl Hangs {
     /// The runs in the motor side and the link of a recording; `None` without one.
     pub fn of(recording: &Recording) -> Option<Self> {
         let roles = [Role::MotorPosition, Role::LinkPosition, Role::Deformation];
-        let [motor, link, deformation] = roles.map(|role| recording.channel(role));
+        let channels = roles.map(|role| recording.channel(role));
+        let found = channels.map(|own| own.map_or_else(Vec::new, candidates));
+        let hangs = |own: &[(Hang, bool)]| -> Vec<Hang> {
+            own.iter().map(|(run, _)| run.clone()).collect()
+        };
+        let [motor, link, _] = channels;
         let pair = motor
             .zip(link)
             .filter(|(motor, link)| motor.unit == link.unit);
-        let mut runs = pair.map_or_else(Vec::new, |(motor, link)| apart(motor, link));
-        let own = deformation.into_iter().flat_map(candidates);
-        runs.extend(own.filter(|(_, begins)| *begins).map(|(run, _)| run));
-        let all = [motor, link, deformation].into_iter().flatten();
-        let silent = all.flat_map(candidates).map(|(run, _)| run);
-        let silent: Vec<Hang> = silent.filter(|run| run.lacks_noise).collect();
+        let of_two = || hangs(&found[..2].concat());
+        let mut runs = pair.map_or_else(Vec::new, |(motor, link)| apart(motor, link, of_two()));
+        let begins = found[2].iter().filter(|(_, begins)| *begins);
+        runs.extend(begins.map(|(run, _)| run.clone()));
+        let mut silent = hangs(&found.concat());
+        silent.retain(|run| run.lacks_noise);
         runs.retain(|run| !silent.contains(run));
         runs.extend(silent);
         runs.sort_by(|a, b| a.span[0].total_cmp(&b.span[0]));
@@ -141,10 +146,8 @@ fn outside(channel: &Channel, runs: &[Flat]) -> Vec<f64> {
     kept.map(|(_, value)| *value).collect()
 }
 
-/// The runs of two positions in which the other one goes on.
-fn apart(motor: &Channel, link: &Channel) -> Vec<Hang> {
-    let both = [motor, link].into_iter().flat_map(candidates);
-    let all: Vec<Hang> = both.map(|(run, _)| run).collect();
+/// Those of the runs of two positions in which the other one goes on.
+fn apart(motor: &Channel, link: &Channel, all: Vec<Hang>) -> Vec<Hang> {
     let series = match all.is_empty() {
         true => None,
         false => Series::of(&unwrapped(motor), &unwrapped(link)),

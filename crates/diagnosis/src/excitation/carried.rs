@@ -1,9 +1,9 @@
 //! Information in the channels of a recording, before any model is fitted.
 
-use super::super::figure::figure;
 use super::sampled::dense;
 use super::words::still;
 use crate::error::DiagnosisError;
+use crate::figure::figure;
 use quell_model::Model;
 use quell_recording::{Channel, Recording, Role};
 use quell_signal::{Contradiction, Hang, Hangs};

@@ -1,7 +1,7 @@
 //! Sensors that show only noise while the machine moves.
 
-use super::super::figure::figure;
 use crate::error::DiagnosisError;
+use crate::figure::figure;
 use crate::spread::spread;
 use crate::units::of_values;
 use quell_model::{Departure, Experiment, Model, predict_windows};

@@ -1,12 +1,12 @@
 //! Whether recordings show the resonance that a model has.
 
-use super::super::figure::figure;
 use super::sampled::rate;
 use super::words::advice;
 use crate::baseline::problem;
 use crate::data::Data;
 use crate::document::{Diagnosis, Verdict};
 use crate::explanation::Explanation;
+use crate::figure::figure;
 use crate::fit::Fitted;
 use crate::judge::Judge;
 use crate::next_move::SEPARATES;

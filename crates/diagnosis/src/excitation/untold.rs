@@ -1,8 +1,8 @@
 //! Whether a motion determines the unknowns of a model.
 
-use super::super::figure::figure;
 use super::words::advice;
 use crate::document::{Diagnosis, Verdict};
+use crate::figure::figure;
 use crate::judge::Judge;
 use crate::next_move::{Information, SEPARATES};
 use crate::point::{Global, Point};

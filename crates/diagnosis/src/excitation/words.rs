@@ -1,6 +1,6 @@
 //! Sentences on what was not excited, and what to record.
 
-use super::super::figure::figure;
+use crate::figure::figure;
 use quell_model::{Experiment, Model};
 use quell_recording::{Channel, Role};
 
