@@ -2,7 +2,7 @@
 
 use super::alone::{self, Alone};
 use super::printer::{self, Tuned};
-use crate::identification::output_only::{Excitation, FoundMode, density};
+use crate::identification::output_only::{Excitation, FoundMode, Taken, density};
 use crate::page::{Chart, Figure, Page, Table, Verdict, decimals_beside, fixed};
 use quell_shapers::residual_vibration;
 
@@ -120,7 +120,7 @@ fn band(one: &Alone) -> [f64; 2] {
 
 /// The spectrum, before and after the recommended shaper.
 fn spectrum(one: &Alone, axis: Option<&Tuned>) -> Chart {
-    let density = density(&one.vibration, band(one), DRAWN, true);
+    let density = density(&one.vibration, band(one), DRAWN, Taken::Tapered);
     let unit = format!("({})^2/Hz", one.vibration.unit);
     let mut chart = Chart::lines("Spectrum", "frequency", "Hz", "power density", unit)
         .series("recorded", &density.frequency, &density.power)

@@ -12,6 +12,19 @@ const OF_NO_NOISE: f64 = 40.0;
 /// Lines on either side over which Hann's window spreads a sine.
 const SPREAD: usize = 3;
 
+/// How a density is taken of a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Taken {
+    /// Without a window: a record that begins and ends at rest needs none, as its transform is the excitation's times the
+    /// response, without leakage.
+    Untapered,
+    /// With Hann's window, as needed for a vibration that continues at both ends.
+    Tapered,
+    /// The same, without the lines of rotation at constant speed. The line of a mode that rings in a short record is as thin, so
+    /// this is not what a picture shows.
+    WithoutSines,
+}
+
 /// Power over frequency, of all axes together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Density {
@@ -26,16 +39,13 @@ pub struct Density {
 }
 
 /// The density between two frequencies, Hz, in bands of constant relative width with at least one line each.
-///
-/// `tapered` weights the samples by Hann's window, as needed for a vibration that continues at both ends, and
-/// leaves out the lines of rotation at constant speed. A record that begins and ends at rest needs no window:
-/// its transform is the excitation's times the response, without leakage.
-pub fn density(vibration: &Vibration, [from, to]: [f64; 2], width: f64, tapered: bool) -> Density {
+pub fn density(vibration: &Vibration, [from, to]: [f64; 2], width: f64, taken: Taken) -> Density {
     let samples = vibration.axes[0].len();
     let length = samples.next_power_of_two();
     let spacing = vibration.rate / length as f64;
     let resolution = vibration.rate / samples as f64;
     let mut power = vec![0.0; length / 2 + 1];
+    let tapered = taken != Taken::Untapered;
     let window = match tapered {
         true => Window::Hann,
         false => Window::Rectangular,
@@ -55,9 +65,9 @@ pub fn density(vibration: &Vibration, [from, to]: [f64; 2], width: f64, tapered:
         }
     }
     let finer = (resolution / spacing).round().max(1.0) as usize;
-    let of_sines = match tapered {
-        true => sines(&power, finer),
-        false => vec![false; power.len()],
+    let of_sines = match taken {
+        Taken::WithoutSines => sines(&power, finer),
+        _ => vec![false; power.len()],
     };
     let mut density = Density {
         resolution,

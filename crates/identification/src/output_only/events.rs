@@ -1,7 +1,7 @@
 //! Events in a vibration: free decays, and frequency sweeps.
 
 use super::Vibration;
-use super::density::density;
+use super::density::{Taken, density};
 use quell_recording::Role;
 use quell_signal::Window;
 
@@ -137,7 +137,7 @@ fn cycles(vibration: &Vibration) -> [usize; 2] {
     let samples = vibration.axes[0].len();
     let seconds = samples as f64 / vibration.rate;
     let band = [2.0 / seconds, 0.45 * vibration.rate];
-    let density = density(vibration, band, BAND, false);
+    let density = density(vibration, band, BAND, Taken::Untapered);
     let count = density.power.len();
     let prominence = |k: usize| {
         let mut around =

@@ -17,7 +17,7 @@ mod resonances;
 mod response;
 mod told;
 
-pub use density::{Density, density};
+pub use density::{Density, Taken, density};
 pub use even::{Vibration, vibration};
 pub use told::{LeftOut, Reason};
 

@@ -10,7 +10,7 @@
 //! Source: P. Whittle, Arkiv for Matematik 2 (1953); P. McCullagh and J. A. Nelder, Generalized Linear Models (1989), ch. 8.
 
 use super::super::stop::Stop;
-use super::density::{Density, density};
+use super::density::{Density, Taken, density};
 use super::least_squares::{Minimum, Squares, minimise};
 use super::response::{DRIFT, EACH, POWERS, Resonance, Response, SHARED};
 use super::{Excitation, FoundMode, OutputOnly, Vibration};
@@ -55,7 +55,11 @@ pub fn modes(
         Some([from, to]) => [from * ENDS[0], to * ENDS[1]],
         None => [LOWEST / seconds, HIGHEST * vibration.rate],
     };
-    let density = density(&vibration.principal(), band, WIDTH, sweep.is_none());
+    let taken = match sweep {
+        Some(_) => Taken::Untapered,
+        None => Taken::WithoutSines,
+    };
+    let density = density(&vibration.principal(), band, WIDTH, taken);
     let found = density.power.iter().filter(|power| **power > 0.0).count();
     if found < 32 || found < density.power.len() {
         let (what, needed) = ("spectrum", 32);
