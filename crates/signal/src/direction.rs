@@ -2,7 +2,7 @@
 
 use super::static_ratio::{FAR, rounded};
 use super::two_sides::{FEWEST, OVERLAP, Series, unwrapped};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix4, Vector3, Vector4};
 use quell_recording::{Recording, Role, plain, range};
 
 /// Difference of the Bayesian information criterion that is very strong evidence (Kass and Raftery, J. American
@@ -11,12 +11,13 @@ const STRONG: f64 = 10.0;
 /// Newton's law of the link, fitted to a motor side `u` and a link `y` as they are written, and exchanged.
 ///
 /// ```text
-/// written    y'' = -w^2 (y - u) - c (y' - u') + b
-/// exchanged  u'' = -w^2 (u - y) - c (u' - y') + b
+/// written    y'' = -w^2 (y - u) - c (y' - u') - d u' + b
+/// exchanged  u'' = -w^2 (u - y) - c (u' - y') - d y' + b
 /// ```
 ///
 /// Nothing but the joint accelerates the link, while a drive moves the motor side. So the joint is a spring and a damper
 /// in the direction that is true, and needs a negative stiffness in the other one, wherever the move is slower than the mode.
+/// A sensor of the side that follows may be late: by `d / w^2` behind the rate of the other side.
 /// Derivatives are taken from the windows `p(s) = (1 - s^2)^4` of the weak form, so that none is taken of noise.
 ///
 /// Source: Shinbrot, "On the analysis of linear and nonlinear systems", Trans. ASME 79 (1957).
@@ -115,6 +116,8 @@ impl Series {
             let (once, twice) = (once / half, twice / half.powi(2));
             let deformation = self.link[k] - self.motor[k];
             row.joint += Vector3::new(window * deformation, -once * deformation, window);
+            row.rates[0] -= once * (self.motor[k] - self.motor[at]);
+            row.rates[1] -= once * (self.link[k] - self.link[at]);
             row.accelerations[0] += twice * (self.motor[k] - self.motor[at]);
             row.accelerations[1] += twice * (self.link[k] - self.link[at]);
         }
@@ -122,20 +125,23 @@ impl Series {
     }
 }
 
-/// Integrals over a window: of deformation, its rate and 1, and of the accelerations of motor side and link.
+/// Integrals over a window: of deformation, its rate and 1, and of the rates and accelerations of motor side and link.
 #[derive(Default)]
 struct Row {
     joint: Vector3<f64>,
+    rates: [f64; 2],
     accelerations: [f64; 2],
 }
 
-/// Least squares of an acceleration over what the joint does: the coefficients, and the share that is left.
-fn law(rows: &[Row], which: usize, sign: f64) -> Option<(Vector3<f64>, f64)> {
-    let (mut normal, mut right, mut whole) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
+/// Least squares of an acceleration over what the joint does, and over the rate of the other side, behind which a sensor may
+/// be late: the coefficients, and the share that is left.
+fn law(rows: &[Row], which: usize, sign: f64) -> Option<(Vector4<f64>, f64)> {
+    let (mut normal, mut right, mut whole) = (Matrix4::zeros(), Vector4::zeros(), 0.0);
     for row in rows {
         let value = sign * row.accelerations[which];
-        normal += row.joint * row.joint.transpose();
-        right += row.joint * value;
+        let terms = row.joint.push(row.rates[1 - which]);
+        normal += terms * terms.transpose();
+        right += terms * value;
         whole += value * value;
     }
     let found = normal.cholesky()?.solve(&right);
@@ -221,6 +227,33 @@ mod tests {
             assert!(wrong.is_exchanged(), "{hertz} Hz: {wrong:?}");
             let found = wrong.stiffness[1].sqrt() / TAU;
             assert!((found / hertz - 1.0).abs() < 0.05, "{hertz} Hz: {wrong:?}");
+        }
+    }
+
+    /// The link passed through a sensor of second order with a corner at `hertz` and a damping of 0.6.
+    fn filtered(mut own: Recording, hertz: f64) -> Recording {
+        let w = TAU * hertz;
+        let link = &mut own.channels[1];
+        let step = link.time[1] - link.time[0];
+        let [mut seen, mut rate] = [link.columns[0][0], 0.0];
+        for value in &mut link.columns[0] {
+            rate += step * (w * w * (*value - seen) - 1.2 * w * rate);
+            seen += step * rate;
+            *value = seen;
+        }
+        own
+    }
+
+    /// A sensor that filters makes the link late, and speaks for the columns as they are written.
+    #[test]
+    fn a_sensor_with_a_lag_is_not_exchanged() {
+        let roles = [Role::MotorPosition, Role::LinkPosition];
+        for hertz in [3.0, 6.0, 12.0] {
+            for (xi, corner) in [(0.02, 23.0), (0.06, 16.0), (0.12, 12.0)] {
+                let own = filtered(recording(hertz, xi, roles, 0.0), corner);
+                let found = Direction::of(&own).unwrap();
+                assert!(found.evidence < -STRONG, "{hertz} Hz: {found:?}");
+            }
         }
     }
 
