@@ -3,7 +3,7 @@
 use nalgebra::{Matrix4, Vector4};
 use quell_control::estimators::Sample;
 use quell_recording::range;
-use quell_signal::{CubicSpline, End};
+use quell_signal::{CubicSpline, End, golden_section};
 
 /// Steps of Gauss and Newton for the delay.
 const STEPS: usize = 4;
@@ -88,39 +88,12 @@ impl Lags {
             .map(|log| (log, left(log)))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         let (centre, _) = best.unwrap_or((least.ln(), 0.0));
-        let (log, residual) = golden(left, centre - 1.0, centre + 1.0);
+        let (log, residual) = golden_section(left, [centre - 1.0, centre + 1.0], SECTIONS);
         Self {
             time_constant: log.exp(),
             residual,
         }
     }
-}
-
-/// The least value between two ends, and its place.
-///
-/// Source: J. Kiefer, Sequential minimax search for a maximum, Proc. American Mathematical Society 4 (1953).
-fn golden(of: impl Fn(f64) -> f64, mut from: f64, mut until: f64) -> (f64, f64) {
-    let share = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let place = |from: f64, until: f64| {
-        [
-            until - share * (until - from),
-            from + share * (until - from),
-        ]
-    };
-    let [mut a, mut b] = place(from, until);
-    let [mut at_a, mut at_b] = [of(a), of(b)];
-    for _ in 0..SECTIONS {
-        if at_a < at_b {
-            (until, b, at_b) = (b, a, at_a);
-            a = place(from, until)[0];
-            at_a = of(a);
-        } else {
-            (from, a, at_a) = (a, b, at_b);
-            b = place(from, until)[1];
-            at_b = of(b);
-        }
-    }
-    if at_a < at_b { (a, at_a) } else { (b, at_b) }
 }
 
 /// The motor side behind a lag, which begins in rest, the decay of another beginning, and the motor side itself. Exact for a motor side that is

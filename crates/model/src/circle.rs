@@ -1,14 +1,24 @@
 //! The circle in a tracker's radial coordinate: its centre, its radius, and whether that is the lever arm.
 
-use nalgebra::{Matrix3, Vector2, Vector3};
+mod sums;
 
-/// Blocks of time for the radius' standard deviation: with 19 degrees of freedom its own uncertainty hardly
-/// matters.
-const BLOCKS: usize = 20;
+use crate::effects::levelling;
+use nalgebra::Vector2;
+use quell_signal::golden_section;
+use sums::{Blocks, Sums};
+
 /// Relative uncertainty of a lever arm that is not an exact number: a millimetre in a metre.
 const KNOWN_TO: f64 = 1e-3;
 /// Odds by which a lever arm is taken for exact ("strong", Kass and Raftery 1995).
 const ODDS: f64 = 20.0;
+
+/// Rates at which a drift of the frame may level off, over the inverse duration of the recording: even in time, and up to
+/// the fastest of `sensor_drift` in steps of two.
+const SETTLING: [f64; 6] = [0.0, 1.25, 2.5, 5.0, 10.0, 20.0];
+/// Golden sections by which the rate is found to a thousandth of the step.
+const SECTIONS: usize = 15;
+/// Unknowns of such a drift: two of its direction, and its rate.
+const DRIFT: usize = 3;
 
 /// A radius, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,35 +30,46 @@ pub struct Radius {
 }
 
 /// The circle of a tip about its joint: `r = R + c_x cos(angle) + c_y sin(angle) + noise`.
+///
+/// The frame of a tracker may drift, as in `sensor_drift`: its centre is `c + d (1 - exp(-s t)) / s` then. Where the radial
+/// coordinate shows that, `d` is free, and `c` is the centre at the start.
 pub(super) struct Circle {
-    sums: Sums,
+    sums: Sums<3>,
     arm: f64,
     /// The radius `R` from the radial coordinate.
     pub(super) radius: Radius,
 }
 
 impl Circle {
-    /// A circle from angles (rad) and radii (m) about the assumed centre; `None` where the arc is too short.
-    pub(super) fn new(angle: &[f64], radius: &[f64], arm: f64) -> Option<Self> {
-        let block = |k: usize| k * BLOCKS / angle.len().max(1);
-        let mut blocks = [Sums::default(); BLOCKS];
-        for (k, (angle, radius)) in angle.iter().zip(radius).enumerate() {
-            blocks[block(k)].add(*angle, (radius - arm) / arm);
-        }
-        let sums = blocks
-            .iter()
-            .fold(Sums::default(), |all, one| all.and(one, 1.0));
-        let solved = sums.solved()?;
-        let mut left_out = Vec::with_capacity(BLOCKS);
-        for block in &blocks {
-            left_out.push(sums.and(block, -1.0).solved()?[0]);
-        }
-        let count = BLOCKS as f64;
-        let mean = left_out.iter().sum::<f64>() / count;
-        let scatter: f64 = left_out.iter().map(|one| (one - mean).powi(2)).sum();
+    /// A circle from the tip's angles (rad) and radii (m) about the assumed centre at increasing times (s); `None` where the
+    /// arc is too short.
+    pub(super) fn new(time: &[f64], angle: &[f64], radius: &[f64], arm: f64) -> Option<Self> {
+        let (start, duration) = (*time.first()?, time.last()? - time.first()?);
+        let off: Vec<f64> = radius.iter().map(|radius| (radius - arm) / arm).collect();
+        let circle = angle.iter().map(|angle| [1.0, angle.cos(), angle.sin()]);
+        let circle: Vec<[f64; 3]> = circle.collect();
+        let still = Blocks::new(|k| circle[k], &off);
+        let drifting = |settling: f64| {
+            let row = |k: usize| {
+                let ([one, cosine, sine], gone) = (circle[k], levelling(time[k] - start, settling));
+                [one, cosine, sine, gone * cosine, gone * sine]
+            };
+            Blocks::new(row, &off)
+        };
+        let least = |settling: f64| {
+            let own = drifting(settling)
+                .sums()
+                .and_then(|own| own.criterion(DRIFT));
+            own.unwrap_or(f64::INFINITY)
+        };
+        let drift = levelled(duration, least);
+        let (sums, left_out) = match drift.1 < still.sums()?.criterion(0)? {
+            true => drifting(drift.0).told()?,
+            false => still.told()?,
+        };
         let radius = Radius {
-            seen: arm * (1.0 + solved[0]),
-            std: arm * (scatter * (count - 1.0) / count).sqrt(),
+            seen: arm * (1.0 + sums.solved()?[0]),
+            std: arm * jackknife(&left_out),
         };
         Some(Self { sums, arm, radius })
     }
@@ -93,49 +114,29 @@ impl Circle {
     }
 }
 
-/// Normal equations of a circle, its radius in units of the lever arm.
-#[derive(Clone, Copy)]
-struct Sums {
-    normal: Matrix3<f64>,
-    right: Vector3<f64>,
-    square: f64,
+/// The standard deviation of an estimate from its values without each of the blocks.
+fn jackknife(left_out: &[f64]) -> f64 {
+    let count = left_out.len() as f64;
+    let mean = left_out.iter().sum::<f64>() / count;
+    let scatter: f64 = left_out.iter().map(|one| (one - mean).powi(2)).sum();
+    (scatter * (count - 1.0) / count).sqrt()
 }
 
-impl Default for Sums {
-    fn default() -> Self {
-        Self {
-            normal: Matrix3::zeros(),
-            right: Vector3::zeros(),
-            square: 0.0,
-        }
-    }
-}
-
-impl Sums {
-    fn add(&mut self, angle: f64, value: f64) {
-        let row = Vector3::new(1.0, angle.cos(), angle.sin());
-        self.normal += row * row.transpose();
-        self.right += row * value;
-        self.square += value * value;
-    }
-
-    fn and(&self, other: &Self, sign: f64) -> Self {
-        Self {
-            normal: self.normal + other.normal * sign,
-            right: self.right + other.right * sign,
-            square: self.square + sign * other.square,
-        }
-    }
-
-    /// `(R / arm - 1, c_x / arm, c_y / arm)`.
-    fn solved(&self) -> Option<Vector3<f64>> {
-        Some(self.normal.cholesky()?.solve(&self.right))
-    }
-
-    /// Variance of the radial coordinate, in units of the lever arm.
-    fn variance(&self) -> Option<f64> {
-        let left = self.square - self.right.dot(&self.solved()?);
-        Some((left / (self.normal[(0, 0)] - 3.0)).max(f64::MIN_POSITIVE))
+/// The rate at which a drift levels off that gives the least criterion, and that, by golden section between the neighbours of
+/// the best of some rates.
+fn levelled(duration: f64, criterion: impl Fn(f64) -> f64) -> (f64, f64) {
+    let rates = SETTLING.map(|share| share / duration);
+    let all = rates.map(&criterion);
+    let order = |a: &usize, b: &usize| all[*a].total_cmp(&all[*b]);
+    let best = (0..all.len()).min_by(order).unwrap_or(0);
+    let neighbours = [
+        rates[best.saturating_sub(1)],
+        rates[(best + 1).min(all.len() - 1)],
+    ];
+    let refined = golden_section(criterion, neighbours, SECTIONS);
+    match refined.1 < all[best] {
+        true => refined,
+        false => (rates[best], all[best]),
     }
 }
 
@@ -144,4 +145,46 @@ pub(super) fn frame_columns(angle: &[f64]) -> Vec<Vec<f64>> {
     let sine = angle.iter().map(|a| -a.sin()).collect();
     let cosine = angle.iter().map(|a| a.cos()).collect();
     vec![vec![1.0; angle.len()], sine, cosine]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{Rng, SeedableRng, rngs::StdRng};
+    use rand_distr::StandardNormal;
+
+    const NOISE: f64 = 1e-5;
+
+    /// How many deviations the rows of the witness are off for a frame that drifts by `by` in all.
+    fn off(by: [f64; 2], settling: f64, seed: u64) -> [f64; 2] {
+        let centre = [2e-4, -3e-4];
+        let mut random = StdRng::seed_from_u64(seed);
+        let time: Vec<f64> = (0..4000).map(|k| f64::from(k) * 2e-3).collect();
+        let angle: Vec<f64> = time.iter().map(|t| 0.8 * (1.3 * t).sin()).collect();
+        let whole = levelling(8.0, settling);
+        let radius = time.iter().zip(&angle).map(|(t, angle)| {
+            let gone = levelling(*t, settling) / whole;
+            let at = |k: usize| centre[k] + by[k] * gone;
+            let noise: f64 = random.sample(StandardNormal);
+            1.0 + at(0) * angle.cos() + at(1) * angle.sin() + NOISE * noise
+        });
+        let radius: Vec<f64> = radius.collect();
+        let rows = Circle::new(&time, &angle, &radius, 1.0).unwrap().witness();
+        let off = |k: usize| rows[k].1 - rows[k].0[1] * centre[0] - rows[k].0[2] * centre[1];
+        [off(0), off(1)]
+    }
+
+    /// Whitened errors of the centre are about standard normal whether the frame is still or drifts. They leave out how well the
+    /// rate of the drift is known.
+    #[test]
+    fn the_centre_of_a_frame_that_drifts_is_that_at_the_start() {
+        for (by, settling) in [([0.0, 0.0], 0.0), ([3e-4, -2e-4], 0.0), ([3e-4, 2e-4], 0.4)] {
+            let squares = (0..40).map(|seed| {
+                let [first, second] = off(by, settling, seed);
+                first.powi(2) + second.powi(2)
+            });
+            let mean = squares.sum::<f64>() / 80.0;
+            assert!((0.5..2.0).contains(&mean), "{by:?} at {settling}: {mean}");
+        }
+    }
 }

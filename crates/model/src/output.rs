@@ -129,7 +129,7 @@ fn tip(
     }
     let turn = ((motor.value(experiment.input_time[0]) - angle[0]) / TAU).round() * TAU;
     angle.iter_mut().for_each(|a| *a += turn);
-    let circle = Circle::new(&angle, &radius, arm);
+    let circle = Circle::new(&channel.time, &angle, &radius, arm);
     Ok(Output {
         role: Role::LinkPosition,
         channel: Role::TipPosition,

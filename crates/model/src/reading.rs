@@ -130,6 +130,7 @@ impl<'a> Reader<'a> {
             curve,
             motor: &trace.motor[from..=to],
             relative: self.output.role == Role::Deformation,
+            tracked: self.output.channel == Role::TipPosition,
         };
         self.show(&part, last);
     }
@@ -165,6 +166,8 @@ struct Part<'a> {
     motor: &'a [Kinematics],
     /// Whether the measured quantity is relative to the motor side.
     relative: bool,
+    /// Whether it is the angle of a tip that a tracker follows.
+    tracked: bool,
 }
 
 impl Part<'_> {
@@ -203,6 +206,7 @@ impl Part<'_> {
                 time: at,
                 value,
                 motor,
+                tracked: self.tracked,
             })
         })
     }

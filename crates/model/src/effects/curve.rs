@@ -73,5 +73,6 @@ fn reading(at: &Motion, value: f64) -> Reading {
         time: at.time,
         value,
         motor: at.motor[0],
+        tracked: false,
     }
 }

@@ -274,6 +274,8 @@ pub struct Reading {
     pub value: f64,
     /// Motor side position.
     pub motor: f64,
+    /// Whether the quantity is the angle of a tip, which a tracker follows in a frame of its own.
+    pub tracked: bool,
 }
 
 /// The reading that a sensor makes of the motion.

@@ -3,7 +3,7 @@
 use super::{Parameter, ParameterRole, Quantity};
 
 /// `(1 - exp(-s t)) / s`, or `t` for `s = 0`: the initial slope is 1, and it levels off at `1 / s`.
-pub(super) fn levelling(time: f64, settling: f64) -> f64 {
+pub(crate) fn levelling(time: f64, settling: f64) -> f64 {
     match settling == 0.0 {
         true => time,
         false => -(-settling * time).exp_m1() / settling,

@@ -89,6 +89,7 @@ pub use law::{
     Sensor,
 };
 pub use learned::KNOTS;
+pub(crate) use levelling::levelling;
 pub use likeness::{LIKENESSES, Likeness};
 pub(crate) use maxwell_slip::slip_distances;
 pub use parameter::{Parameter, ParameterRole, Quantity, Units};

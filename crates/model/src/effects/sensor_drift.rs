@@ -15,20 +15,25 @@ struct Drift {
 impl Sensor for Drift {
     fn read(&self, reading: &Reading) -> f64 {
         let gone = levelling(reading.time, self.settling);
-        reading.value + self.rate * (1.0 + self.growth * reading.value) * gone
+        let [along, across] = match reading.tracked {
+            true => [reading.value.cos(), reading.value.sin()],
+            false => [1.0, reading.value],
+        };
+        reading.value + self.rate * (along + self.growth * across) * gone
     }
 }
 
-/// The sensor shows `y + r (1 + g y) (1 - exp(-s t)) / s`.
+/// The sensor shows `y + r (1 + g y) (1 - exp(-s t)) / s`; a tracker that follows a tip in a frame that is displaced
+/// `y + r (cos y + g sin y) (1 - exp(-s t)) / s`, with `y` the angle of the tip.
 pub const SENSOR_DRIFT: Effect = Effect {
     name: "sensor_drift",
     title: "sensor drift",
     places: &[Place::Sensor],
     physics: "Warming electronics, a tripod that settles or an integrated rate make the reading creep, \
-        whatever the axis does, at rest too: its zero by r each second, and with it its scale, r g, as a \
-        tracker's frame that is displaced does, seen as an angle. With s > 0 the drift levels off: y + r (1 \
-        + g y) (1 - exp(-s t)) / s. Source: Doebelin, Measurement Systems (2004), chapter 3 (zero drift \
-        and sensitivity drift).",
+        whatever the axis does, at rest too: its zero by r each second, and its scale by r g. With s > 0 the \
+        drift levels off: y + r (1 + g y) (1 - exp(-s t)) / s. A tracker whose frame is displaced shows the \
+        angle y of a tip as y + r (cos y + g sin y) (1 - exp(-s t)) / s. Source: Doebelin, Measurement \
+        Systems (2004), chapter 3 (zero drift and sensitivity drift).",
     remedy: "Let the sensor warm up, and set its zero at rest.",
     parameters: &[
         Parameter {

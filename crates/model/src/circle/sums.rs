@@ -1,0 +1,121 @@
+//! Sums over the radial coordinate: the normal equations of its circle, in blocks of time.
+
+use nalgebra::{SMatrix, SVector, Vector3};
+
+/// Blocks of time for the radius' standard deviation: with 19 degrees of freedom its own uncertainty hardly
+/// matters.
+const BLOCKS: usize = 20;
+
+/// Normal equations of a circle in blocks of time, its radius in units of the lever arm.
+pub struct Blocks<const N: usize>(Vec<Sums<N>>);
+
+impl<const N: usize> Blocks<N> {
+    pub fn new(row: impl Fn(usize) -> [f64; N], values: &[f64]) -> Self {
+        let mut blocks = vec![Sums::default(); BLOCKS];
+        for (k, value) in values.iter().enumerate() {
+            blocks[k * BLOCKS / values.len()].add(row(k).into(), *value);
+        }
+        Self(blocks)
+    }
+
+    fn all(&self) -> Sums<N> {
+        let first = Sums::default();
+        self.0.iter().fold(first, |all, one| all.and(one, 1.0))
+    }
+
+    /// The sums of radius and centre alone.
+    pub fn sums(&self) -> Option<Sums<3>> {
+        self.all().eliminated()
+    }
+
+    /// The same, and `R / arm - 1` without each of the blocks.
+    pub fn told(&self) -> Option<(Sums<3>, Vec<f64>)> {
+        let all = self.all();
+        let without = |block| Some(all.and(block, -1.0).eliminated()?.solved()?[0]);
+        let left_out: Option<Vec<f64>> = self.0.iter().map(without).collect();
+        Some((self.sums()?, left_out?))
+    }
+}
+
+/// Normal equations.
+#[derive(Clone, Copy)]
+pub struct Sums<const N: usize> {
+    pub normal: SMatrix<f64, N, N>,
+    pub right: SVector<f64, N>,
+    square: f64,
+    count: usize,
+}
+
+impl<const N: usize> Default for Sums<N> {
+    fn default() -> Self {
+        Self {
+            normal: SMatrix::zeros(),
+            right: SVector::zeros(),
+            square: 0.0,
+            count: 0,
+        }
+    }
+}
+
+impl<const N: usize> Sums<N> {
+    fn add(&mut self, row: SVector<f64, N>, value: f64) {
+        self.normal += row * row.transpose();
+        self.right += row * value;
+        self.square += value * value;
+        self.count += 1;
+    }
+
+    fn and(&self, other: &Self, sign: f64) -> Self {
+        let count = if sign > 0.0 {
+            self.count + other.count
+        } else {
+            self.count - other.count
+        };
+        Self {
+            normal: self.normal + other.normal * sign,
+            right: self.right + other.right * sign,
+            square: self.square + sign * other.square,
+            count,
+        }
+    }
+
+    /// The normal equations of the first three unknowns, the others eliminated.
+    fn eliminated(&self) -> Option<Sums<3>> {
+        let (mut normal, mut right, mut square) = (self.normal, self.right, self.square);
+        for last in (3..N).rev() {
+            let pivot = normal[(last, last)];
+            if pivot <= f64::EPSILON * self.normal[(last, last)] {
+                return None;
+            }
+            let (column, value) = (normal.column(last).into_owned(), right[last]);
+            normal -= column * column.transpose() / pivot;
+            right -= column * (value / pivot);
+            square -= value * value / pivot;
+        }
+        Some(Sums {
+            normal: normal.fixed_view::<3, 3>(0, 0).into_owned(),
+            right: right.fixed_rows::<3>(0).into_owned(),
+            square,
+            count: self.count,
+        })
+    }
+}
+
+impl Sums<3> {
+    /// `(R / arm - 1, c_x / arm, c_y / arm)`.
+    pub fn solved(&self) -> Option<Vector3<f64>> {
+        Some(self.normal.cholesky()?.solve(&self.right))
+    }
+
+    /// Variance of the radial coordinate, in units of the lever arm.
+    pub fn variance(&self) -> Option<f64> {
+        let left = self.square - self.right.dot(&self.solved()?);
+        Some((left / (self.count as f64 - 3.0)).max(f64::MIN_POSITIVE))
+    }
+
+    /// Bayesian information criterion, with so many unknowns more.
+    pub fn criterion(&self, more: usize) -> Option<f64> {
+        let count = self.count as f64;
+        Some(count * self.variance()?.ln() + more as f64 * count.ln())
+    }
+}
