@@ -1,4 +1,5 @@
-//! Names for learned laws: each named law of the slot, started where it is nearest to the learned curve.
+//! Names for learned laws: each named law of the slot, and the best sums of two, started where they are nearest to the learned
+//! curve.
 
 use super::curves::ordinates;
 use super::explanation::Explanation;
@@ -6,9 +7,11 @@ use super::law_band::still;
 use super::point::{Global, Point};
 use super::pool::Pool;
 use super::search::Search;
+use super::thresholds::BEAM;
 use nalgebra::DMatrix;
 use quell_model::Term;
-use quell_model::curves::{Curve, Nearest, nearest};
+use quell_model::curves::{Curve, nearest, nearest_sums};
+use quell_model::effects::Effect;
 use rayon::prelude::*;
 
 impl Search<'_> {
@@ -48,18 +51,30 @@ impl Search<'_> {
             &problem.scales,
             problem.catalogue,
         );
-        let with = |law: Nearest| {
-            let mut named = point.clone();
-            named.terms[index] = Term {
-                effect: law.effect,
-                values: law.values,
-                ..learned.clone()
-            };
-            named
-        };
+        let sums = nearest_sums(
+            &curve,
+            learned.place,
+            &at,
+            &problem.scales,
+            problem.catalogue,
+        );
+        let sums = sums.into_iter().take(BEAM).map(Vec::from);
         let others = point.without(index);
-        let has_room = |law: &Nearest| others.has_room_for((law.effect, learned.place));
-        laws.into_iter().filter(has_room).map(with).collect()
+        let with = |laws: Vec<(&'static Effect, Vec<f64>)>| {
+            laws.into_iter()
+                .try_fold(others.clone(), |point, (effect, values)| {
+                    let term = Term {
+                        effect,
+                        values,
+                        ..learned.clone()
+                    };
+                    point
+                        .has_room_for(term.identity())
+                        .then(|| point.with(term))
+                })
+        };
+        let single = laws.into_iter().map(|law| vec![(law.effect, law.values)]);
+        single.chain(sums).filter_map(with).collect()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 use quell_model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide, State};
-use quell_model::curves::{Curve, Nearest, Trend, nearest};
+use quell_model::curves::{Curve, Nearest, Trend, nearest, nearest_sums};
 use quell_model::effects::{
     Catalogue, EFFECTS, Effect, KNOTS, LEARNED, Law, Memory, Motion, Place, Scales, Slot, Units,
     curve,
@@ -316,6 +316,40 @@ fn the_energy_of_a_loop_is_that_of_its_elements() {
 
 fn near(curve: &Curve, place: Place) -> Vec<Nearest> {
     nearest(curve, place, &still(), &scales(), Catalogue::default())
+}
+
+/// Stribeck friction beside a constant force looks like no single law: the constant is a part of friction that differs between
+/// the directions.
+#[test]
+fn a_curve_that_is_the_sum_of_two_named_laws_is_that_sum() {
+    let made = [
+        (effect("stribeck_friction"), vec![0.1, 0.7, 0.15]),
+        (effect("force_offset"), vec![0.04]),
+    ];
+    let f = |x: f64| {
+        let value =
+            |(law, values): &(&Effect, Vec<f64>)| curve(law, values, &still(), &[x]).unwrap()[0];
+        x.signum() * made.iter().map(value).sum::<f64>()
+    };
+    let curve = learned("learned_friction", (-0.5, 0.5), 2e-4, f);
+    let sums = nearest_sums(
+        &curve,
+        Place::Drive,
+        &still(),
+        &scales(),
+        Catalogue::default(),
+    );
+    let found = sums.iter().take(2).find(|sum| {
+        made.iter()
+            .all(|(law, _)| sum.iter().any(|own| own.0 == *law))
+    });
+    let found = found.unwrap_or_else(|| panic!("{:?}", &sums[..2]));
+    for (law, values) in &made {
+        let (_, own) = found.iter().find(|own| own.0 == *law).unwrap();
+        for (value, expected) in own.iter().zip(values) {
+            assert!((value - expected).abs() <= 0.1 * expected, "{found:?}");
+        }
+    }
 }
 
 /// Learned law, its range, its place; the law that it was made of.

@@ -1,7 +1,7 @@
-//! The named law that is nearest to a learned curve.
+//! The named laws that are nearest to a learned curve.
 
 use super::Curve;
-use crate::effects::{Catalogue, Effect, Motion, ParameterRole, Place, Scales, curve};
+use crate::effects::{Catalogue, Effect, Motion, Parameter, ParameterRole, Place, Scales, curve};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::f64::consts::TAU;
 
@@ -20,6 +20,9 @@ pub struct Nearest {
     /// Ranges of the coordinate where it is outside of the 95 % band of the curve.
     pub outside: Vec<(f64, f64)>,
 }
+
+/// Two named laws whose sum was fitted to a learned curve, each with the values of its parameters.
+pub type Sum = [(&'static Effect, Vec<f64>); 2];
 
 /// Number of starts that are fitted to convergence, those of least residual.
 const FOLLOWED: usize = 4;
@@ -45,16 +48,59 @@ pub fn nearest(
     let Some(target) = Target::new(learned, at) else {
         return Vec::new();
     };
-    let named = catalogue.0.iter().copied().filter(|effect| {
-        !effect.is_learned()
-            && effect.slot() == Some(learned.slot)
-            && effect.places.contains(&place)
-    });
+    let named = named(learned, place, catalogue);
     let mut found: Vec<Nearest> = named
-        .filter_map(|effect| target.fit(effect, learned, scales))
+        .filter_map(|effect| target.nearest(effect, learned, scales))
         .collect();
     found.sort_by(|a, b| a.chi_squared.total_cmp(&b.chi_squared));
     found
+}
+
+/// The sums of two named laws that can stand for a learned curve at a place, the nearest first: of those in its slot, and of
+/// those as which one of them acts.
+pub fn nearest_sums(
+    learned: &Curve,
+    place: Place,
+    at: &Motion,
+    scales: &Scales,
+    catalogue: Catalogue,
+) -> Vec<Sum> {
+    let Some(target) = Target::new(learned, at) else {
+        return Vec::new();
+    };
+    let mut laws: Vec<&'static Effect> = named(learned, place, catalogue).collect();
+    for whole in laws.clone() {
+        let parts = whole.parts(&whole.neutral()).into_iter().flatten();
+        let parts = parts.map(|part| part.0).filter(|part| {
+            part.places.contains(&place) && catalogue.0.contains(part) && !laws.contains(part)
+        });
+        let parts: Vec<_> = parts.collect();
+        laws.extend(parts);
+    }
+    let laws = &laws;
+    let pairs = (0..laws.len()).flat_map(|k| laws[..k].iter().map(move |one| [*one, laws[k]]));
+    let mut found: Vec<(f64, Sum)> = pairs
+        .filter_map(|[one, other]| {
+            let (chi_squared, mut values) = target.fit(&[one, other], scales)?;
+            let others = values.split_off(one.parameters.len());
+            Some((chi_squared, [(one, values), (other, others)]))
+        })
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.into_iter().map(|own| own.1).collect()
+}
+
+/// The named laws in the slot of a curve at a place.
+fn named(
+    learned: &Curve,
+    place: Place,
+    catalogue: Catalogue,
+) -> impl Iterator<Item = &'static Effect> {
+    let slot = learned.slot;
+    let is_named = move |effect: &&Effect| {
+        !effect.is_learned() && effect.slot() == Some(slot) && effect.places.contains(&place)
+    };
+    catalogue.0.iter().copied().filter(is_named)
 }
 
 /// The target of a fit.
@@ -91,35 +137,55 @@ impl<'a> Target<'a> {
         })
     }
 
-    /// The residual in standard deviations; `None` where the law has no finite value.
-    fn residual(&self, effect: &Effect, values: &[f64]) -> Option<DVector<f64>> {
-        let law = curve(effect, values, self.at, &self.points)?;
-        let left = DVector::from_vec(law) - &self.values;
+    /// The residual of a sum of laws in standard deviations; `None` where one has no finite value.
+    fn residual(&self, laws: &[&Effect], values: &[f64]) -> Option<DVector<f64>> {
+        let (mut left, mut values) = (-&self.values, values);
+        for law in laws {
+            let (own, others) = values.split_at(law.parameters.len());
+            left += DVector::from_vec(curve(law, own, self.at, &self.points)?);
+            values = others;
+        }
         let left = self.factor.l().solve_lower_triangular(&left)?;
         left.iter().all(|r| r.is_finite()).then_some(left)
     }
 
-    fn fit(&self, effect: &'static Effect, learned: &Curve, scales: &Scales) -> Option<Nearest> {
+    /// The values of a sum of laws of least squared distance from the curve, and that for each degree of freedom.
+    fn fit(&self, laws: &[&Effect], scales: &Scales) -> Option<(f64, Vec<f64>)> {
+        let mut starts = vec![Vec::new()];
+        for law in laws {
+            let own = (law.starts)(scales);
+            let with = |before: &Vec<f64>| -> Vec<Vec<f64>> {
+                let both = |own: &Vec<f64>| [before.as_slice(), own].concat();
+                own.iter().map(both).collect()
+            };
+            starts = starts.iter().flat_map(with).collect();
+        }
         let sized = |values: Vec<f64>| {
-            let cost = self.residual(effect, &values)?.norm_squared();
+            let cost = self.residual(laws, &values)?.norm_squared();
             Some((cost, values))
         };
-        let mut starts: Vec<_> = (effect.starts)(scales)
-            .into_iter()
-            .filter_map(sized)
-            .collect();
+        let mut starts: Vec<_> = starts.into_iter().filter_map(sized).collect();
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
         starts.truncate(FOLLOWED);
         let ends = starts
             .into_iter()
-            .map(|(_, values)| self.descend(effect, values, scales));
+            .map(|(_, values)| self.descend(laws, values, scales));
         let (cost, values) = ends.flatten().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let values = wrapped(effect, values);
         let freedom = self.points.len().saturating_sub(values.len()).max(1);
+        Some((cost / freedom as f64, wrapped(laws, values)))
+    }
+
+    fn nearest(
+        &self,
+        effect: &'static Effect,
+        learned: &Curve,
+        scales: &Scales,
+    ) -> Option<Nearest> {
+        let (chi_squared, values) = self.fit(&[effect], scales)?;
         let at_points = curve(effect, &values, self.at, &learned.points)?;
         Some(Nearest {
             effect,
-            chi_squared: cost / freedom as f64,
+            chi_squared,
             outside: self.outside(learned, effect, &values)?,
             values,
             at_points,
@@ -129,14 +195,15 @@ impl<'a> Target<'a> {
     /// Levenberg and Marquardt within the bounds of the parameters.
     fn descend(
         &self,
-        effect: &Effect,
+        laws: &[&Effect],
         mut values: Vec<f64>,
         scales: &Scales,
     ) -> Option<(f64, Vec<f64>)> {
-        let mut left = self.residual(effect, &values)?;
+        let parameters: Vec<&Parameter> = laws.iter().flat_map(|law| law.parameters).collect();
+        let mut left = self.residual(laws, &values)?;
         let mut damping = 1e-3;
         for _ in 0..STEPS {
-            let jacobian = self.jacobian(effect, &values, &left, scales)?;
+            let jacobian = self.jacobian((laws, &parameters), &values, &left, scales)?;
             let mut normal = jacobian.transpose() * &jacobian;
             let right = jacobian.transpose() * &left;
             let largest = normal.diagonal().amax();
@@ -145,12 +212,12 @@ impl<'a> Target<'a> {
             }
             let step = normal.cholesky()?.solve(&right);
             let moved = |(k, value): (usize, &f64)| {
-                let parameter = &effect.parameters[k];
+                let parameter = parameters[k];
                 let (low, high) = (parameter.bounds)(scales);
                 (value - step[k] * (parameter.typical)(scales)).clamp(low, high)
             };
             let next: Vec<f64> = values.iter().enumerate().map(moved).collect();
-            let then = self.residual(effect, &next);
+            let then = self.residual(laws, &next);
             match then.filter(|then| then.norm_squared() < left.norm_squared()) {
                 Some(then) => {
                     let gain = left.norm_squared() - then.norm_squared();
@@ -171,13 +238,13 @@ impl<'a> Target<'a> {
     /// Derivatives of the residual by each parameter, in its typical size.
     fn jacobian(
         &self,
-        effect: &Effect,
+        (laws, parameters): (&[&Effect], &[&Parameter]),
         values: &[f64],
         left: &DVector<f64>,
         scales: &Scales,
     ) -> Option<DMatrix<f64>> {
         let mut jacobian = DMatrix::zeros(left.len(), values.len());
-        for (k, parameter) in effect.parameters.iter().enumerate() {
+        for (k, parameter) in parameters.iter().enumerate() {
             let (typical, (_, high)) = ((parameter.typical)(scales), (parameter.bounds)(scales));
             // Inside the bounds.
             let sign = if values[k] + CHANGE * typical.abs() > high {
@@ -188,7 +255,7 @@ impl<'a> Target<'a> {
             let change = sign * CHANGE * typical.abs() / typical;
             let mut changed = values.to_vec();
             changed[k] += change * typical;
-            let column = (self.residual(effect, &changed)? - left) / change;
+            let column = (self.residual(laws, &changed)? - left) / change;
             jacobian.set_column(k, &column);
         }
         Some(jacobian)
@@ -216,8 +283,9 @@ impl<'a> Target<'a> {
 }
 
 /// Phases are reported within half a turn of 0.
-fn wrapped(effect: &Effect, mut values: Vec<f64>) -> Vec<f64> {
-    for (parameter, value) in effect.parameters.iter().zip(&mut values) {
+fn wrapped(laws: &[&Effect], mut values: Vec<f64>) -> Vec<f64> {
+    let parameters = laws.iter().flat_map(|law| law.parameters);
+    for (parameter, value) in parameters.zip(&mut values) {
         if parameter.role == ParameterRole::Phase {
             *value -= TAU * (*value / TAU).round();
         }
