@@ -247,6 +247,46 @@ fn val_simulated_moves() {
     }
 }
 
+/// Encoders with noise on both sides of a joint, of which every twentieth sample is lost by chance: the noise of the motor side
+/// is loud at the mode, and the deviations tell it. Chi squared of as many errors as seeds is below its quantile of 99.9 %.
+#[test]
+fn val_deviations_hold_where_samples_are_lost_and_the_input_is_noisy() {
+    let truth = Truth {
+        frequency_hz: 6.3,
+        damping_ratio: 0.03,
+        across: false,
+    };
+    let noise = Normal::new(0.0, 5e-5).expect("a deviation");
+    let errors = (0..12).map(|seed| {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut samples = two_moves(&truth, 5e-5, 100 + seed);
+        for sample in &mut samples {
+            let own = noise.sample(&mut random);
+            sample.motor_position += own;
+            sample.deformation -= own;
+        }
+        let lost = Normal::new(0.0, 1.0).expect("a deviation");
+        samples.retain(|_| lost.sample(&mut random) > -1.645);
+        let prior = Prior {
+            belief: None,
+            scale_is_open: false,
+            rounding: 0.0,
+        };
+        let found = identify(&samples, prior).expect("a mode");
+        let best = found.recommended().expect("a mode");
+        assert_eq!(best.further, None, "{seed}");
+        let best = best.mode;
+        let f = (best.mode.hertz() / 6.3 - 1.0) * best.mode.natural_frequency();
+        let xi = best.mode.damping_ratio() - 0.03;
+        [f / best.natural_frequency_std, xi / best.damping_ratio_std]
+    });
+    let errors: Vec<[f64; 2]> = errors.collect();
+    for k in 0..2 {
+        let squares: f64 = errors.iter().map(|own| own[k] * own[k]).sum();
+        assert!(squares < 32.9, "{k}: {squares}, {errors:?}");
+    }
+}
+
 /// A linear joint shows no dependence on amplitude but by chance; one with quadratic damping does.
 #[test]
 fn val_amplitude_dependence_is_told_from_chance() {

@@ -52,7 +52,8 @@ pub enum IdentificationError {
     #[error(
         "no mode was found: the tip rests or follows the motor side, with noise or drift; the best fit of a mode has a \
          chi-squared of {found:.0}, and strong evidence in {samples} samples needs {needed:.0}; record a move that makes the \
-         link ring, and the rest after it"
+         link ring, and the rest after it{}",
+        looked_for(*.searched)
     )]
     NotExcited {
         /// By how much the best fit lowers the criterion, as a chi-squared.
@@ -61,6 +62,8 @@ pub enum IdentificationError {
         needed: f64,
         /// Number of samples.
         samples: usize,
+        /// Lowest and highest frequency that were searched, Hz, where a rate or a length limits them.
+        searched: Option<[f64; 2]>,
     },
     /// No evidence for a mode about the believed one.
     #[error(
@@ -169,4 +172,31 @@ impl IdentificationError {
         }
         self
     }
+}
+
+impl IdentificationError {
+    /// With the frequencies that were searched, Hz, where no mode was found among them.
+    pub(super) fn among(self, range: [f64; 2]) -> Self {
+        match self {
+            Self::NotExcited {
+                found,
+                needed,
+                samples,
+                ..
+            } => Self::NotExcited {
+                found,
+                needed,
+                samples,
+                searched: Some(range),
+            },
+            other => other,
+        }
+    }
+}
+
+/// A clause on the frequencies that were searched.
+fn looked_for(searched: Option<[f64; 2]>) -> String {
+    searched.map_or(String::new(), |[low, high]| {
+        format!("; a mode was looked for from {low:.3} to {high:.1} Hz, and a faster one needs a faster rate")
+    })
 }

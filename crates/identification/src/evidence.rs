@@ -118,6 +118,7 @@ impl Evidence {
                 found: self.found,
                 needed: self.needed,
                 samples: self.samples,
+                searched: None,
             }),
         }
     }

@@ -92,6 +92,28 @@ pub fn white_of_two(
     whitened(samples, &ringing, (&fit.residual, std))
 }
 
+/// Factor on the deviations that a fit states where the samples are too uneven for the filter, such as with missing rows: the
+/// noise of the input is then in the residual. 1 where they are even.
+///
+/// The derivatives of the response by frequency and damping are as narrow as the mode. What counts for them is the density at
+/// the mode, `N + N_u / (4 xi^2)` with `|H| = 1 / (2 xi)`, and the fit takes the residual's variance for it. `N_u` is the noise
+/// that is seen in the motor side's position, and at most what the residual leaves room for: through the mode it has the
+/// variance `N_u w T / (4 xi)` at a distance `T` of samples.
+pub fn louder(samples: &[Sample], fit: &BatchFit, settings: &Settings) -> f64 {
+    let seen = floor(samples, |s| s.motor_position);
+    let is_even = even_step(samples, seen.min(fit.residual_std)).is_some();
+    if is_even || settings.memory.is_finite() {
+        return 1.0;
+    }
+    let step = (samples[samples.len() - 1].time - samples[0].time) / (samples.len() - 1) as f64;
+    let (w, xi) = (fit.mode.natural_frequency(), fit.mode.damping_ratio());
+    let left = fit.residual_std.powi(2);
+    let room = left * 4.0 * xi / (w * step);
+    let beside = floor(samples, |s| s.deformation).powi(2);
+    let at_mode = beside + seen.powi(2).min(room) / (4.0 * xi * xi);
+    (at_mode / left).max(1.0).sqrt()
+}
+
 fn floor(samples: &[Sample], of: fn(&Sample) -> f64) -> f64 {
     let values: Vec<f64> = samples.iter().map(of).collect();
     noise_floor(&values).standard_deviation

@@ -169,6 +169,10 @@ pub fn identify_until(
         .as_ref()
         .and_then(|fit| White::of(fitted, fit, &settings));
     check(stop)?;
+    let louder = match (&fit, &white) {
+        (Some(fit), None) => input_noise::louder(fitted, fit, &settings),
+        _ => 1.0,
+    };
     let best_fit = white.as_ref().map(|white| &white.fit).or(fit.as_ref());
     let (free_decays, known_input_holds) =
         free_decays(samples, &decays, (&settings, stop), best_fit);
@@ -178,7 +182,7 @@ pub fn identify_until(
         let evidence = Evidence::of_all(fitted, fit.as_ref(), settings.memory);
         evidence.strong().map_err(|error| match prior.belief {
             Some(belief) => searched.not_near(belief),
-            None => error,
+            None => error.among(searched.hertz()),
         })?;
         if let Some(fit) = &fit {
             evidence.no_artefact(fitted, fit, prior.rounding)?;
@@ -195,7 +199,8 @@ pub fn identify_until(
             part,
             &settings,
             (fitted, fit.as_ref(), white.as_ref()),
-        ),
+        )
+        .widened(louder),
         free_decays,
         known_input_holds,
         explained,
@@ -327,7 +332,10 @@ fn first_look(
         .max_by(|a, b| (a.until - a.from).total_cmp(&(b.until - b.from)))
         .and_then(|rest| mode(telling(rest.of(samples)), false));
     let Some(belief) = rest.or(whole) else {
-        Evidence::of_all(samples, None, wide.memory).strong()?;
+        let (from, to) = wide.frequency_range;
+        Evidence::of_all(samples, None, wide.memory)
+            .strong()
+            .map_err(|error| error.among([from / TAU, to / TAU]))?;
         return Err(IdentificationError::Still);
     };
     let other = whole.unwrap_or(belief).natural_frequency();

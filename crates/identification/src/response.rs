@@ -22,7 +22,7 @@ pub struct Searched {
 
 impl Searched {
     /// Both ends, Hz.
-    fn hertz(&self) -> [f64; 2] {
+    pub(super) fn hertz(&self) -> [f64; 2] {
         [self.from, self.to].map(|omega| omega / core::f64::consts::TAU)
     }
 

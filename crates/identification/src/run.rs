@@ -136,6 +136,39 @@ impl Run {
         }
     }
 
+    /// With the deviations of the methods that know their error multiplied by a factor. A second mode whose damping ratio is
+    /// then not above 0 by two deviations, 95 %, is one of the noise.
+    pub(super) fn widened(mut self, factor: f64) -> Self {
+        if factor == 1.0 {
+            return self;
+        }
+        let wider = |own: &mut Estimate| {
+            own.natural_frequency_std *= factor;
+            own.damping_ratio_std *= factor;
+        };
+        for line in &mut self.on_line {
+            let states_error =
+                |entry: &&EstimatorEntry| entry.name == line.name && entry.states_error;
+            if ESTIMATORS.iter().any(|entry| states_error(&entry)) {
+                let ends = [&mut line.estimate, &mut line.further]
+                    .into_iter()
+                    .flatten();
+                ends.chain(&mut line.history).for_each(wider);
+                line.further = line
+                    .further
+                    .filter(|own| own.mode.damping_ratio() > 2.0 * own.damping_ratio_std);
+            }
+        }
+        for line in &mut self.off_line {
+            let deviations = [&mut line.natural_frequency_std, &mut line.damping_ratio_std];
+            deviations
+                .into_iter()
+                .flatten()
+                .for_each(|own| *own *= factor);
+        }
+        self
+    }
+
     /// One free decay, and its batch fit.
     pub(super) fn free_decay(
         samples: &[Sample],

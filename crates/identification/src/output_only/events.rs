@@ -23,10 +23,14 @@ const SUDDEN: f64 = 9.0;
 /// Most decays that are fitted, the strongest first.
 const MOST: usize = 12;
 
-/// Number of parts of a sweep, and the rank correlation of frequency and time that defines one: with so many
-/// parts chance gives 0.7 once in 1e12.
+/// Most parts of a sweep, the fewest samples of one, and the rank correlation of frequency and time that defines one: with
+/// so many parts chance gives 0.7 once in 1e12.
 const FRAMES: usize = 96;
+const SHORTEST: usize = 64;
 const RANK: f64 = 0.7;
+/// The same in its standard deviations by chance, `1 / sqrt(n - 1)` of `n` parts: once in 1e3, beside what else a sweep must
+/// show.
+const BY_CHANCE: f64 = 3.1;
 /// Least range of a sweep: an octave.
 const OCTAVE: f64 = 2.0;
 /// Ratio of a part's strongest line to its median one above which the part counts. In a thousand lines of noise
@@ -176,18 +180,17 @@ fn energy(vibration: &Vibration, first: usize, count: usize) -> f64 {
 /// The frequencies, Hz, between which a frequency sweeps in time; `None` without a sweep.
 pub fn sweep(vibration: &Vibration) -> Option<[f64; 2]> {
     let samples = vibration.axes[0].len();
-    let length = samples / FRAMES;
-    if length < 64 {
-        return None;
-    }
+    let count = FRAMES.min(samples / SHORTEST);
+    let length = samples.checked_div(count)?;
     let mut frames: Vec<(f64, f64)> = Vec::new();
-    for frame in 0..FRAMES {
+    for frame in 0..count {
         let [line, energy] = strongest(vibration, frame * length, length);
         frames.push((line * vibration.rate / length as f64, energy));
     }
     let stands_out = frames.iter().filter(|frame| frame.1 > STANDS_OUT);
     let loud: Vec<f64> = stands_out.map(|frame| frame.0).collect();
-    if loud.len() < FRAMES / 3 {
+    let needed = RANK.max(BY_CHANCE / (loud.len() as f64 - 1.0).max(1.0).sqrt());
+    if loud.len() < count / 3 || needed >= 1.0 {
         return None;
     }
     let rank = rank_correlation(&loud);
@@ -195,13 +198,19 @@ pub fn sweep(vibration: &Vibration) -> Option<[f64; 2]> {
     sorted.sort_unstable_by(f64::total_cmp);
     let at = |share: f64| sorted[(share * (sorted.len() - 1) as f64) as usize];
     let [low, high] = [at(0.03), at(0.97)];
-    // Jumping frequencies, as of one mode after another, are no sweep: it must pass most frequencies in
-    // sequence.
-    let spread = (0..8).filter(|eighth| {
-        let [from, to] = [*eighth, eighth + 1].map(|k| low + (high - low) * f64::from(k) / 8.0);
-        loud.iter().any(|f| (from..=to).contains(f))
-    });
-    (rank.abs() > RANK && high > OCTAVE * low && spread.count() >= 7).then_some([low, high])
+    let line = vibration.rate / length as f64;
+    let is_sweep = rank.abs() > needed && high > OCTAVE * low && passes(&loud, [low, high], line);
+    is_sweep.then_some([low, high])
+}
+
+/// Whether frequencies pass most of a range. Jumping ones, as of one mode after another, do not. The range has eight parts,
+/// or as many as it has lines.
+fn passes(frequencies: &[f64], [low, high]: [f64; 2], line: f64) -> bool {
+    let parts = (((high - low) / line).round() as usize).min(8);
+    let part = |f: &f64| ((f - low) / (high - low) * parts as f64 + 1e-9) as usize;
+    let passed =
+        (0..parts).filter(|own| frequencies.iter().any(|f| part(f).min(parts - 1) == *own));
+    parts >= 4 && passed.count() + 1 >= parts
 }
 
 /// The strongest line of some samples, over all axes, and its energy over the median one.

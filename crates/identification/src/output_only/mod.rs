@@ -146,6 +146,7 @@ fn look(
             found: found.evidence[0],
             needed: found.evidence[1],
             samples,
+            searched: None,
         }),
     }
 }
