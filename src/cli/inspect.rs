@@ -10,7 +10,7 @@ use super::{CliError, identify, next, output};
 use crate::page::{columns, digits, fixed, number};
 use crate::recording::health::{Health, health, remarks};
 use crate::recording::{
-    Channel, MANIFEST, McapFile, Recording, is_csv, mcap_and_joint, plain as short,
+    Channel, MANIFEST, McapFile, Recording, axis_name, is_csv, mcap_and_joint, plain as short,
 };
 use crate::signal::{Contradiction, Hangs};
 use document::document;
@@ -248,9 +248,10 @@ fn value_rows<'a>(channel: &'a Channel, health: &'a Health) -> impl Iterator<Ite
 fn column_names(channel: &Channel) -> Vec<String> {
     match channel.columns.len() {
         1 => vec![channel.role.to_string()],
-        _ => ["x", "y", "z"]
+        count => (0..count)
+            .filter_map(|index| axis_name(count, index))
             .map(|axis| format!("{} {axis}", channel.role))
-            .into(),
+            .collect(),
     }
 }
 

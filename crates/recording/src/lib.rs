@@ -93,6 +93,28 @@ pub struct Channel {
     pub columns: Vec<Vec<f64>>,
 }
 
+/// What the columns of a role's vector are called: of two the axes in the names of the file's columns, if it has a manifest or
+/// is a CSV file that tells them; else as by [`axis_name`].
+pub fn axis_names(path: &Path, role: Role, columns: usize) -> Vec<&'static str> {
+    let names = || manifest::columns(&file_and_joint(path).0, role);
+    let told = match columns {
+        2 => names().and_then(|names| propose::axes(&names)),
+        _ => None,
+    };
+    let plain = (0..columns).filter_map(|index| axis_name(columns, index));
+    told.unwrap_or_else(|| plain.collect())
+}
+
+/// What a column of a vector is called: `x`, `y` or `z` of three; of two nobody has said which of the axes they are, so that
+/// they are `column 1` and `column 2`.
+pub fn axis_name(columns: usize, index: usize) -> Option<&'static str> {
+    let names: &[&'static str] = match columns {
+        3 => &["x", "y", "z"],
+        _ => &["column 1", "column 2"],
+    };
+    names.get(index).copied().filter(|_| index < columns)
+}
+
 /// Channels of one run of one machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {

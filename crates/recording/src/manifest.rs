@@ -11,7 +11,7 @@ use super::mcap::McapFile;
 use super::stamp::Origin;
 use super::syntax::SyntaxError;
 use super::table::Table;
-use super::{Channel, MANIFEST, Recording, foreign, propose};
+use super::{Channel, MANIFEST, Recording, Role, foreign, propose};
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -124,6 +124,15 @@ type Numbers = (Vec<f64>, Vec<Vec<f64>>);
 pub(super) fn read(path: &Path, joint: Option<&str>) -> Result<Recording, RecordingError> {
     let path = locate(path)?;
     read_joint(&path, &text(&path)?, joint)
+}
+
+/// The names of the columns of a role's vector; `None` where it cannot be read, or has no such vector.
+pub(super) fn columns(path: &Path, role: Role) -> Option<Vec<String>> {
+    let path = &locate(path).ok()?;
+    let text = &text(path).ok()?;
+    let manifest = Source { path, text }.manifest().ok()?;
+    let is_own = |entry: &&Entry| entry.role.get_ref() == role.name();
+    manifest.channel.iter().find(is_own)?.columns.clone()
 }
 
 /// Reads the recordings of all joints in a manifest.
@@ -286,14 +295,16 @@ impl Source<'_> {
             return Err(self.at(start(&entry.scale), key("scale", "it is 0")));
         }
         let path = self.file(entry)?;
+        let rows = entry.rows.as_ref().or(manifest.rows.as_ref());
         let (mut time, mut columns) = match McapFile::is_named(&path) {
             true => self.messages(entry, role, path, files)?,
             false => {
                 let layout = entry.csv.as_ref().or(manifest.csv.as_ref());
-                self.cells((entry, layout), role, path, files)?
+                let rows = rows.map_or(0..usize::MAX, |rows| rows.get_ref()[0]..rows.get_ref()[1]);
+                self.cells((entry, layout, rows), role, path, files)?
             }
         };
-        if let Some(rows) = entry.rows.as_ref().or(manifest.rows.as_ref()) {
+        if let Some(rows) = rows {
             let [first, last] = self.rows(rows, time.len())?;
             for values in columns.iter_mut().chain([&mut time]) {
                 values.truncate(last);

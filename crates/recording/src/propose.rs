@@ -1,5 +1,6 @@
 //! Proposed manifests for CSV files without one: guesses on their columns, from form, names and numbers.
 
+mod alike;
 mod clock;
 mod columns;
 mod content;
@@ -9,6 +10,9 @@ mod name;
 mod pairs;
 mod render;
 mod response;
+mod restarts;
+mod stand_in;
+mod theta;
 mod unreadable;
 mod words;
 
@@ -127,6 +131,14 @@ pub(super) fn certain(path: &Path) -> Result<String, RecordingError> {
             Err(Problem::Uncertain { open }.in_file(path))
         }
     }
+}
+
+/// The axes in names of columns, if each has one of its own.
+pub(super) fn axes(names: &[String]) -> Option<Vec<&'static str>> {
+    let axis = |own: &String| Some(["x", "y", "z"][name::parse(own).axis()?]);
+    let axes: Vec<&str> = names.iter().map(axis).collect::<Option<_>>()?;
+    let is_one = |k: usize| !axes[..k].contains(&axes[k]);
+    (0..axes.len()).all(is_one).then_some(axes)
 }
 
 /// CSV files of a folder, by their names.

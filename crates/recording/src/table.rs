@@ -9,6 +9,7 @@ use super::carries::LARGEST;
 use super::error::{Problem, RecordingError};
 use super::layout::Layout;
 use super::stamp::{Origin, TimeUnit};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use text::{count_line_ends, first_row, line_start, single_spaces};
 
@@ -166,15 +167,35 @@ impl Table {
     pub fn stamps(&self, name: &str) -> Result<Vec<f64>, RecordingError> {
         let index = self.index(name)?;
         let stamps = self.numbers(&[name])?.swap_remove(0);
-        self.advances(index, stamps)
+        self.advances(index, &stamps, 0..stamps.len())?;
+        Ok(stamps)
     }
 
-    /// The same for stamps in a unit of time. Stamps since an epoch are relative to `origin`, which the first
-    /// file sets.
+    /// The same where only some rows are used, and only these need to advance: the time may begin again with each test. In a
+    /// unit of time, if it is given; stamps since an epoch are then relative to `origin`, which the first file sets.
     ///
     /// # Errors
     /// As [`Self::stamps`].
-    pub fn stamps_in(
+    pub(super) fn stamps_of(
+        &self,
+        name: &str,
+        unit: Option<(TimeUnit, &mut Origin)>,
+        rows: Range<usize>,
+    ) -> Result<Vec<f64>, RecordingError> {
+        let stamps = match unit {
+            None => self.numbers(&[name])?.swap_remove(0),
+            Some((unit, origin)) => self.told_in(name, unit, origin)?,
+        };
+        self.advances(self.index(name)?, &stamps, rows)?;
+        Ok(stamps)
+    }
+
+    /// A column as stamps in a unit of time. Stamps since an epoch are relative to `origin`, which the first
+    /// file sets.
+    ///
+    /// # Errors
+    /// As [`Self::numbers`].
+    fn told_in(
         &self,
         name: &str,
         unit: TimeUnit,
@@ -200,13 +221,19 @@ impl Table {
             previous = unit.after(previous, stamp, cell);
             stamps.push(previous);
         }
-        self.advances(index, stamps)
+        Ok(stamps)
     }
 
-    /// Checks that each present stamp is above the one before.
-    fn advances(&self, index: usize, stamps: Vec<f64>) -> Result<Vec<f64>, RecordingError> {
+    /// Checks that each present stamp of these rows is above the one before.
+    fn advances(
+        &self,
+        index: usize,
+        stamps: &[f64],
+        rows: Range<usize>,
+    ) -> Result<(), RecordingError> {
         let mut previous = f64::NEG_INFINITY;
-        for (row, &stamp) in stamps.iter().enumerate().filter(|(_, s)| !s.is_nan()) {
+        let used = stamps.iter().enumerate().take(rows.end).skip(rows.start);
+        for (row, &stamp) in used.filter(|(_, stamp)| !stamp.is_nan()) {
             if stamp <= previous {
                 let repeats = stamp == previous;
                 let problem = |text| Problem::Clock {
@@ -218,7 +245,7 @@ impl Table {
             }
             previous = stamp;
         }
-        Ok(stamps)
+        Ok(())
     }
 
     /// A column as stamps that lie within half a tick of the ticks of a rate in Hz, counted from the first one.

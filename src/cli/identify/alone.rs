@@ -10,7 +10,7 @@ use crate::identification::stop::Stop;
 use crate::identification::{motor_side, rests};
 use crate::page::{columns, decimals_beside, fixed};
 use crate::recording::health::{at_limit, clipped_axes, mixed_rates};
-use crate::recording::{Channel, Recording, Role};
+use crate::recording::{Channel, Recording, Role, axis_names};
 use quell_shapers::{
     Criterion, Recommendation, Requirements, Shaper, ShaperError, UncertainMode, design_for_all,
     recommend,
@@ -27,6 +27,8 @@ pub struct Alone {
     pub recording: String,
     /// The vibrating channel.
     pub vibration: Vibration,
+    /// What its axes are called.
+    pub axes: Vec<&'static str>,
     /// A remark on the stamps of its channel, if they mix rates.
     pub mixed_rates: Option<String>,
     /// Where an axis of an accelerometer is at the limit of its range, in a clause.
@@ -139,6 +141,7 @@ impl Alone {
         let channel = recording.channel(vibration.role);
         Ok(Self {
             recording: recording.name.clone(),
+            axes: axis_names(path, vibration.role, vibration.axes.len()),
             clipped: channel.and_then(clipped),
             mixed_rates: channel.and_then(|own| mixed_rates(&own.time)),
             vibration,
@@ -176,9 +179,9 @@ impl Alone {
     }
 
     /// The axis along which a mode is strongest, if there are several.
-    pub fn axis(&self, hertz: f64) -> Option<char> {
+    pub fn axis(&self, hertz: f64) -> Option<&'static str> {
         let place = self.vibration.strongest_axis(hertz)?;
-        ['x', 'y', 'z'].get(place).copied()
+        self.axes.get(place).copied()
     }
 
     /// The modes that the shaper is for.

@@ -209,8 +209,8 @@ fn over_time(one: &Alone) -> Chart {
         one.vibration.role.name(),
         one.vibration.unit.clone(),
     );
-    for (axis, name) in one.vibration.axes.iter().zip(["x", "y", "z"]) {
-        chart = chart.series(name, &time, axis);
+    for (axis, name) in one.vibration.axes.iter().zip(&one.axes) {
+        chart = chart.series(*name, &time, axis);
     }
     for [from, until] in &one.found.stretches {
         if one.found.excitation == Excitation::Decay {

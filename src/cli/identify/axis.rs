@@ -16,9 +16,7 @@ pub struct Printer {
 /// The axis of a printer that a file belongs to: Klipper's raw data or RepRapFirmware's, recognised by its
 /// lines; `None` for any other file.
 pub fn of(path: &Path, vibration: &Vibration) -> Option<Printer> {
-    if vibration.role != Role::TipAcceleration || !is_printers(path) {
-        return None;
-    }
+    let axes = axes_of_printer(path).filter(|_| vibration.role == Role::TipAcceleration)?;
     let name = path.file_name()?.to_string_lossy().to_lowercase();
     let named = ["x", "y", "z"].into_iter().find(|axis| {
         let parts = name.split(['_', '-', '.']);
@@ -33,7 +31,7 @@ pub fn of(path: &Path, vibration: &Vibration) -> Option<Printer> {
         let place = energies
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .map_or(0, |most| most.0);
-        ['x', 'y', 'z'].get(place).copied()
+        axes.get(place).copied()
     };
     let axis = named
         .and_then(|axis| axis.chars().next())
@@ -41,13 +39,15 @@ pub fn of(path: &Path, vibration: &Vibration) -> Option<Printer> {
     Some(Printer { axis })
 }
 
-/// Whether the file has the first line of Klipper's raw data or of RepRapFirmware's.
-fn is_printers(path: &Path) -> bool {
+/// The axes in the first line of Klipper's raw data or of RepRapFirmware's; `None` for any other file.
+fn axes_of_printer(path: &Path) -> Option<Vec<char>> {
     let mut line = String::new();
     let read = File::open(path).map(|file| BufReader::new(file).read_line(&mut line));
     let line = line.trim().trim_start_matches('#').to_lowercase();
-    matches!(read, Ok(Ok(_)))
-        && (line == "time,accel_x,accel_y,accel_z"
-            || line.starts_with("sample,x")
-            || line.starts_with("sample,y"))
+    let is_one = line == "time,accel_x,accel_y,accel_z"
+        || line.starts_with("sample,x")
+        || line.starts_with("sample,y");
+    let last = |name: &str| name.chars().last();
+    let axes = line.split(',').skip(1).filter_map(last).collect();
+    (matches!(read, Ok(Ok(_))) && is_one).then_some(axes)
 }

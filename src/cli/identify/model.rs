@@ -19,7 +19,7 @@ struct Line {
     /// Its share of what the sensor sees, with what tells it.
     share: (f64, &'static str),
     /// The axis of the sensor along which it is strongest, of several.
-    axis: Option<char>,
+    axis: Option<&'static str>,
 }
 
 /// The text for the recommended modes of a joint with a known input, with a sentence on what they are.

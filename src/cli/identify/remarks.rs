@@ -63,11 +63,11 @@ impl Alone {
             .shaped_for()
             .into_iter()
             .map(|known| known.mode.hertz());
-        let of: Vec<(char, f64)> = hertz.filter_map(|f| Some((self.axis(f)?, f))).collect();
+        let of: Vec<(&str, f64)> = hertz.filter_map(|f| Some((self.axis(f)?, f))).collect();
         if of.iter().all(|own| own.0 == of[0].0) {
             return None;
         }
-        let one = |(axis, hertz): &(char, f64)| format!("{hertz:.3} Hz along {axis}");
+        let one = |(axis, hertz): &(&str, f64)| format!("{hertz:.3} Hz along {axis}");
         let all: Vec<String> = of.iter().map(one).collect();
         Some(format!(
             "Strongest: {}. The model has the modes of all axes; where an axis of the machine excites only one of them, \
@@ -86,12 +86,20 @@ fn dependence(mode: &FoundMode) -> Option<String> {
     }
     let hertz = mode.known.mode.hertz();
     let ratio = mode.known.mode.damping_ratio();
-    Some(format!(
-        "The frequency depends on the amplitude: {:.3} Hz at the start of the decay and {hertz:.3} Hz at its end; the \
-         damping ratio goes from {:.4} to {ratio:.4}. It is one mode.",
-        hertz * (1.0 + shift),
-        ratio + mode.damping_shift,
-    ))
+    let [first, last] = [hertz * (1.0 + shift), hertz].map(|own| format!("{own:.3}"));
+    let damping = format!(
+        "the damping ratio goes from {:.4} to {ratio:.4}",
+        ratio + mode.damping_shift
+    );
+    Some(match first == last {
+        true => format!(
+            "The damping depends on the amplitude, the frequency hardly: from the start of the decay to its end {damping}. It is one mode."
+        ),
+        false => format!(
+            "The frequency depends on the amplitude: {first} Hz at the start of the decay and {last} Hz at its end; {damping}. \
+             It is one mode."
+        ),
+    })
 }
 
 /// A sentence on what was fitted and is no mode of its own.

@@ -1,7 +1,7 @@
 //! Remarks on problems of a channel.
 
 use super::{Clipped, ColumnHealth, Flat, FlatKind, Health, clipped};
-use crate::{Channel, Unit, plain};
+use crate::{Channel, Unit, axis_name, plain};
 
 /// Jitter, as a share of the period, above which there is a remark. A stamp that is off by j shifts a sample by
 /// j times the slope; 1 % of a period is 1 % of an increment between samples.
@@ -20,15 +20,18 @@ pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
     let mut remarks = Vec::new();
     if !channel.has_usual_unit() {
         let (unit, role) = (&channel.unit, channel.role);
-        remarks.push(format!(
-            "the unit {unit} is not one of {role}: kept as it is"
-        ));
+        remarks.push(match unit.as_str() {
+            "raw" | "count" => format!(
+                "it has no physical unit: amplitudes are told in {unit}; frequencies and damping ratios need none"
+            ),
+            _ => format!("the unit {unit} is not one of {role}: kept as it is"),
+        });
     }
     clock(&channel.time, health, &mut remarks);
     for (index, column) in health.columns.iter().enumerate() {
         let name = match health.columns.len() {
             1 => String::new(),
-            _ => format!("{}: ", ["x", "y", "z"].get(index).unwrap_or(&"?")),
+            count => format!("{}: ", axis_name(count, index).unwrap_or("?")),
         };
         remarks.extend(
             self::values(channel, (column, &channel.columns[index]))

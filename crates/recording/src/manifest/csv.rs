@@ -5,13 +5,14 @@ use crate::layout::Layout;
 use crate::stamp::{Origin, TIME_UNITS, TimeUnit};
 use crate::table::parquet;
 use crate::{RecordingError, Role, Table};
+use std::ops::Range;
 use std::path::PathBuf;
 
 impl Source<'_> {
     /// Stamps and columns of an entry with a CSV or Parquet file.
     pub(super) fn cells(
         &self,
-        (entry, layout): (&Entry, Option<&Layout>),
+        (entry, layout, rows): (&Entry, Option<&Layout>, Range<usize>),
         role: Role,
         path: PathBuf,
         files: &mut Files,
@@ -31,7 +32,7 @@ impl Source<'_> {
             let wanted: Vec<&str> = names.iter().copied().chain(others).collect();
             tracing::info!(file = %path.display(), "reading");
             let table = parquet::table(&path, &layout, Some(&wanted))?;
-            return self.numbers(entry, &names, &table, &mut files.origin);
+            return self.numbers((entry, rows), &names, &table, &mut files.origin);
         }
         if files.tables.get(&path).is_none_or(|held| held.0 != layout) {
             tracing::info!(file = %path.display(), "reading");
@@ -39,32 +40,32 @@ impl Source<'_> {
             files.tables.insert(path.clone(), (layout, table));
         }
         let table = &files.tables[&path].1;
-        self.numbers(entry, &names, table, &mut files.origin)
+        self.numbers((entry, rows), &names, table, &mut files.origin)
     }
 
     /// Stamps and columns from the table of an entry's file.
     fn numbers(
         &self,
-        entry: &Entry,
+        (entry, rows): (&Entry, Range<usize>),
         names: &[&str],
         table: &Table,
         origin: &mut Origin,
     ) -> Result<Numbers, RecordingError> {
         let columns = table.numbers(names)?;
-        let time = self.time(entry, table, columns[0].len(), origin)?;
+        let time = self.time((entry, rows), table, columns[0].len(), origin)?;
         Ok((time, columns))
     }
 
     fn time(
         &self,
-        entry: &Entry,
+        (entry, rows): (&Entry, Range<usize>),
         table: &Table,
         samples: usize,
         origin: &mut Origin,
     ) -> Result<Vec<f64>, RecordingError> {
         match (&entry.time, &entry.rate_hz) {
             (Some(name), None) => match &entry.time_unit {
-                None => table.stamps(name.get_ref()),
+                None => table.stamps_of(name.get_ref(), None, rows),
                 Some(unit) => {
                     let known = TimeUnit::from_name(unit.get_ref()).ok_or_else(|| {
                         let names: Vec<_> = TIME_UNITS.iter().map(|line| line.1).collect();
@@ -72,7 +73,7 @@ impl Source<'_> {
                             format!("\"{}\" is none of {}", unit.get_ref(), names.join(", "));
                         self.at(unit.span().start, key("time_unit", reason))
                     })?;
-                    table.stamps_in(name.get_ref(), known, origin)
+                    table.stamps_of(name.get_ref(), Some((known, origin)), rows)
                 }
             },
             (None, Some(rate)) => {

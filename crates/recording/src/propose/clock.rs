@@ -68,7 +68,8 @@ pub fn of(content: &Content) -> Clock {
 }
 
 fn is_clock(column: &Column) -> bool {
-    column.is_numeric() || date(column).is_some()
+    // A cell that is no number is told with its place.
+    column.is_numeric() || column.is_mostly_numeric() || date(column).is_some()
 }
 
 /// The unit of a column whose first cell is a date or a time of day: that in which most of its cells are one, since

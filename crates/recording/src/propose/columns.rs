@@ -51,7 +51,7 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
         .collect();
     let joints = joint::of(content, &only);
     for (index, column) in content.columns.iter().enumerate() {
-        if clock.has(index) || tests == Some(index) {
+        if clock.has(index) || tests == Some(index) || column.is_empty() {
             continue;
         }
         let is_read = column.is_numeric() || column.is_mostly_numeric();
@@ -68,6 +68,9 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
         channels.only_one(content);
     }
     for channel in &mut channels.found {
+        // A manifest has the axes in the order of x, y and z.
+        let axis = |index: &usize| content.columns[*index].name.axis();
+        channel.columns.sort_by_key(axis);
         if channel.unit.value.is_empty() {
             channel.unit = unit(content, channel);
         }
@@ -77,10 +80,12 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
     let of_clock = (0..content.columns.len()).filter(|index| clock.has(*index));
     let doubled = channels.doubled(content, of_clock);
     channels.open.extend(doubled);
+    let counted = channels.counted(content);
+    channels.open.extend(counted);
     if channels.found.is_empty() {
-        let rest = channels.unused.iter().take(MOST_ASKED);
-        let names: Vec<&str> = rest
-            .map(|&index| content.columns[index].title.as_str())
+        let names: Vec<&str> = channels
+            .asked(content)
+            .map(|index| content.columns[index].title.as_str())
             .collect();
         channels.open.push(format!(
             "which columns are meant of {}: fill in a [[channel]] block of the manifest for each",
@@ -145,30 +150,6 @@ impl Channels {
         }
     }
 
-    /// Sentences on columns in use, those of the clock among them, whose name another column has, too, with other numbers.
-    fn doubled(&self, content: &Content, of_clock: impl Iterator<Item = usize>) -> Vec<String> {
-        let used = self.found.iter().flat_map(|found| found.columns.clone());
-        let used: Vec<usize> = used.chain(of_clock).collect();
-        let all = &content.columns;
-        let twin = |own: usize| {
-            let is_twin = |other: &usize| {
-                let same = all[own].numbers.iter().zip(&all[*other].numbers);
-                let mut same = same.map(|(a, b)| a == b || a.is_nan() && b.is_nan());
-                all[*other].title == all[own].title && !same.all(|same| same)
-            };
-            let other = (0..all.len()).find(|other| *other != own && is_twin(other))?;
-            let [first, second] = [own.min(other), own.max(other)].map(|index| index + 1);
-            Some(format!(
-                "which of the columns {first} and {second} is meant, both are called {:?}: say it in the manifest, where columns \
-                 are called by their numbers",
-                all[own].title
-            ))
-        };
-        let mut told: Vec<String> = used.into_iter().filter_map(twin).collect();
-        told.dedup();
-        told
-    }
-
     /// A single column of numbers without a known name is taken for the vibration.
     fn only_one(&mut self, content: &Content) {
         let numeric = |index: &&usize| {
@@ -224,9 +205,14 @@ impl Channels {
 /// The role of a column, and whether it is certain.
 pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
     let name = &content.columns[index].name;
-    // RepRapFirmware calls the axes of its accelerometer X, Y and Z.
-    if content.told_rate_hz.is_some() && name.axis().is_some() {
+    // RepRapFirmware calls the axes of its accelerometer X, Y and Z, as a phone does in a file `Accelerometer.csv`.
+    let of_one = content.told_rate_hz.is_some()
+        || name.words.len() == 1 && content.is_called_accelerometer();
+    if of_one && name.axis().is_some() {
         return Some((Role::TipAcceleration, true));
+    }
+    if super::theta::is_link_of_theta(content, index) {
+        return Some((Role::LinkPosition, false));
     }
     let dimension = name
         .unit
@@ -238,6 +224,8 @@ pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
     match (named, dimension) {
         (Some((role, true)), _) => Some((role, true)),
         (_, Some(Dimension::Acceleration)) => Some((Role::TipAcceleration, true)),
+        // Steps of an encoder do not tell what moves.
+        (Some(found), Some(Dimension::Number)) => Some(found),
         // An angle at the tip is that of the link.
         (Some((Role::TipPosition, _)), Some(Dimension::Angle)) => Some((Role::LinkPosition, false)),
         (Some((role, false)), Some(dimension)) => {
@@ -271,9 +259,16 @@ fn by_dimension(dimension: Dimension) -> Option<(Role, bool)> {
 /// The unit of a channel whose names do not contain it.
 fn unit(content: &Content, channel: &Channel) -> Guess<String> {
     let role = channel.role.value;
+    let told = content.columns[channel.columns[0]].name.unit.as_ref();
+    let no_unit = told.map_or("no unit in its name".into(), |unit| {
+        format!("the unit {unit:?} in its name is not known")
+    });
     if role != Role::TipAcceleration {
         let usual = role.entry().dimensions[0];
-        let raw = Guess::guessed("raw".into(), "no unit in its name");
+        let raw = Guess::guessed("raw".into(), no_unit);
+        if told.is_some() {
+            return raw;
+        }
         return match usual {
             Dimension::Angle | Dimension::Length => raw,
             dimension => by_role(dimension)
@@ -310,10 +305,7 @@ fn unit(content: &Content, channel: &Channel) -> Guess<String> {
             return Guess::guessed(unit.into(), "its mean is the gravity of the earth");
         }
     }
-    Guess::guessed(
-        "raw".into(),
-        "no unit in its name; a frequency does not need one",
-    )
+    Guess::guessed("raw".into(), no_unit + "; a frequency does not need one")
 }
 
 fn by_role(dimension: Dimension) -> Option<&'static str> {

@@ -2,9 +2,11 @@
 
 use super::super::error::{Problem, RecordingError};
 use super::super::layout::Layout;
+use super::super::role::Role;
 use super::super::table::{self, Table, parquet};
 use super::form;
 use super::name::{self, Name};
+use super::stand_in;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -15,6 +17,8 @@ const MISSING: &[&str] = &[
 ];
 /// Most lines that are read of a known form.
 const HEAD: usize = 400;
+/// Most sensors whose rows stand in turn.
+const MOST_IN_TURN: usize = 20;
 /// Most values of a column that tells tests apart.
 const MOST_TESTS: usize = 1000;
 
@@ -136,6 +140,7 @@ impl Content {
                 }
             }
         }
+        missing.extend(stand_ins(&mut columns, table, &layout)?);
         place(&mut columns, table);
         if columns
             .first()
@@ -162,6 +167,12 @@ impl Content {
         titles.eq(["time", "accel_x", "accel_y", "accel_z"])
     }
 
+    /// Whether the file's name is that of an accelerometer.
+    pub fn is_called_accelerometer(&self) -> bool {
+        let role = name::parse(&self.stem()).role();
+        role.is_some_and(|(role, _)| role == Role::TipAcceleration)
+    }
+
     /// The file's name without its endings.
     pub fn stem(&self) -> String {
         let name = self.path.file_name().unwrap_or_default().to_string_lossy();
@@ -178,6 +189,40 @@ impl Bad {
             .or_else(|| self.text.strip_prefix("0X"));
         digits.is_some_and(|own| !own.is_empty() && own.bytes().all(|b| b.is_ascii_hexdigit()))
     }
+}
+
+/// Takes numbers that stand for missing samples for such, and gives their cells.
+fn stand_ins(
+    columns: &mut [Column],
+    table: &Table,
+    layout: &Layout,
+) -> Result<BTreeSet<String>, RecordingError> {
+    // A cell that is missing is so in all columns: none may have it for a value.
+    let is_value = |mark: f64| {
+        let others = columns
+            .iter()
+            .filter(|own| stand_in::of(&own.numbers) != Some(mark));
+        others.flat_map(|own| &own.numbers).any(|own| *own == mark)
+    };
+    let mark = |own: &Column| stand_in::of(&own.numbers).filter(|mark| !is_value(*mark));
+    let marks: Vec<_> = columns.iter().map(mark).collect();
+    let mut cells = BTreeSet::new();
+    if marks.iter().all(Option::is_none) {
+        return Ok(cells);
+    }
+    for row in table.rows() {
+        let row = row?;
+        let marked = row.iter().zip(&marks);
+        let found =
+            marked.filter(|(cell, mark)| mark.is_some() && layout.number(cell.trim()) == **mark);
+        cells.extend(found.map(|(cell, _)| cell.trim().to_owned()));
+    }
+    for (column, mark) in columns.iter_mut().zip(marks) {
+        for number in column.numbers.iter_mut().filter(|own| Some(**own) == mark) {
+            *number = f64::NAN;
+        }
+    }
+    Ok(cells)
 }
 
 /// Tells where the bad cells of columns of numbers are.
@@ -252,6 +297,12 @@ impl Column {
         !text.is_empty() && rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(" ["))
     }
 
+    /// Whether it has neither a name nor a cell, as where each line ends with a separator.
+    pub fn is_empty(&self) -> bool {
+        let has_name = !self.title.is_empty() && self.title != self.called;
+        !has_name && self.texts == 0 && self.numbers.iter().all(|number| number.is_nan())
+    }
+
     /// Whether its cells are numbers, or missing.
     pub fn is_numeric(&self) -> bool {
         self.texts == 0 && self.numbers.iter().any(|number| number.is_finite())
@@ -261,6 +312,18 @@ impl Column {
     pub fn is_mostly_numeric(&self) -> bool {
         let numbers = self.numbers.iter().filter(|number| number.is_finite());
         self.texts > 0 && numbers.count() > self.texts
+    }
+
+    /// Its words, if each row has one of a few, and most rows another one than the row above.
+    pub fn in_turn(&self) -> Option<Vec<String>> {
+        let last = *self.begins.last()?;
+        let is_text = self.texts == self.numbers.len();
+        let mut words = self.distinct.clone();
+        words.sort();
+        words.dedup();
+        let is_few =
+            (2..=MOST_IN_TURN).contains(&words.len()) && self.begins.len() > 2 * words.len();
+        (is_text && is_few && 2 * self.begins.len() > last).then_some(words)
     }
 
     /// The one cell of these rows, if they have one.

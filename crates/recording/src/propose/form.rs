@@ -20,6 +20,11 @@ const FORMS: [(char, char); 8] = [
     (' ', ','),
 ];
 
+/// What stands in a row of units for a quantity that has none, or whose unit is that of the device.
+const NO_UNITS: [&str; 10] = [
+    "-", "--", "%", "\u{2030}", "1/1", "a.u.", "bool", "bit", "lsb", "n/a",
+];
+
 /// A layout, and the names above a row of units.
 pub struct Form {
     /// The form.
@@ -33,14 +38,20 @@ pub fn of(text: &str) -> Option<Form> {
     let lines: Vec<&str> = text.lines().take(LOOKED_AT).collect();
     let plain = |line: &&&str| !line.trim().is_empty() && !line.trim_start().starts_with(MARKS);
     let rows: Vec<&str> = lines.iter().filter(plain).copied().collect();
-    let score = |&(delimiter, decimal): &(char, char)| columns(&rows, delimiter, decimal);
+    // White space is a separator only where tabs are none: a preamble has cells of its own between tabs.
+    let by_tabs = FORMS
+        .iter()
+        .any(|&(mark, decimal)| mark == '\t' && columns(&rows, mark, decimal) > 0);
+    let score = |&(delimiter, decimal): &(char, char)| match delimiter == ' ' && by_tabs {
+        true => 0,
+        false => columns(&rows, delimiter, decimal),
+    };
     // The first of equals is taken.
     let (delimiter, decimal) = FORMS.into_iter().rev().max_by_key(score)?;
     if columns(&rows, delimiter, decimal) == 0 {
         return None;
     }
     let mut layout = Layout {
-        delimiter: (delimiter != Layout::default().delimiter_of(rows[0])).then_some(delimiter),
         decimal: (decimal == ',').then_some(','),
         ..Layout::default()
     };
@@ -81,6 +92,12 @@ pub fn of(text: &str) -> Option<Form> {
             layout.skip = Some(first);
         }
     }
+    // Without a header the first row of numbers tells the separator, which may have as many decimal commas.
+    let top = match layout.header {
+        Some(false) => lines[first],
+        _ => rows[0],
+    };
+    layout.delimiter = (delimiter != layout.delimiter_of(top)).then_some(delimiter);
     let commented = lines.iter().enumerate().find(|(line, text)| {
         marked(text) && Some(*line) != header && layout.skip.is_none_or(|skip| *line >= skip)
     });
@@ -155,11 +172,19 @@ fn numbers(line: &str, delimiter: char, decimal: char) -> usize {
     split(line, delimiter).iter().filter(is_one).count()
 }
 
-/// Whether a line contains only units, more than one.
+/// Whether a line contains only units, more than one. A cell may be blank, and a quantity without a physical unit has a
+/// sign of its own; but one at least is a unit.
 fn is_units(line: &str, delimiter: char) -> bool {
     let cells = split(line, delimiter);
-    let bare = |cell: &&str| cell.trim_matches(['(', ')', '[', ']']).to_owned();
-    cells.len() > 1 && cells.iter().all(|cell| super::name::is_unit(&bare(cell)))
+    let said: Vec<&str> = cells.into_iter().filter(|cell| !cell.is_empty()).collect();
+    let is_one = |cell: &&str| super::name::is_unit(bare(cell));
+    let is_sign = |cell: &&str| NO_UNITS.contains(&bare(cell).to_lowercase().as_str());
+    said.len() > 1 && said.iter().any(is_one) && said.iter().all(|own| is_one(own) || is_sign(own))
+}
+
+/// A unit without its brackets.
+fn bare(unit: &str) -> &str {
+    unit.trim_matches(['(', ')', '[', ']', '<', '>']).trim()
 }
 
 /// `name [unit]` of each column.
@@ -167,8 +192,9 @@ fn joined(names: &str, units: &str, delimiter: char) -> Vec<String> {
     let pairs = split(names, delimiter)
         .into_iter()
         .zip(split(units, delimiter));
-    let bare = |unit: &str| unit.trim_matches(['(', ')', '[', ']']).to_owned();
-    pairs
-        .map(|(name, unit)| format!("{name} [{}]", bare(unit)))
-        .collect()
+    let titled = |(name, unit): (&str, &str)| match bare(unit) {
+        "" | "-" | "--" => name.to_owned(),
+        unit => format!("{name} [{unit}]"),
+    };
+    pairs.map(titled).collect()
 }

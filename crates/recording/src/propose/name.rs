@@ -3,7 +3,7 @@
 use super::super::role::{ROLES, Role};
 use super::super::stamp::TimeUnit;
 use super::super::unit::{Dimension, Unit};
-use super::words::{COUNTS, PAYLOADS, TIME, WORDS};
+use super::words::{COUNTS, PAYLOADS, STEPS, TIME, WORDS};
 
 /// The parts of a name.
 #[derive(Clone, Debug, Default)]
@@ -102,6 +102,9 @@ pub fn unit(text: &str) -> Option<&'static Unit> {
         .replace("**", "^")
         .replace("degrees", "deg");
     let plain = text.replace('\u{b2}', "2").replace(' ', "");
+    if STEPS.contains(&plain.to_lowercase().as_str()) {
+        return Unit::from_name("count");
+    }
     Unit::from_name(&text)
         .or_else(|| Unit::from_name(&plain))
         .or_else(|| Unit::from_name(&plain.to_lowercase()))

@@ -1,6 +1,7 @@
 //! Two columns that are the two sides of a joint.
 
 use super::super::role::Role;
+use super::super::unit::{Dimension, Unit};
 use super::Guess;
 use super::columns::{Channel, Channels};
 use super::content::{Column, Content};
@@ -36,12 +37,40 @@ impl Channels {
         };
         let [u, y] = [motor, link].map(|k| &content.columns[self.found[k].columns[0]]);
         let is_far = |ratio: f64| !(FAR.recip()..FAR).contains(&ratio);
-        if u.name.unit != y.name.unit || is_far(slope(u, y)) {
+        if u.name.unit != y.name.unit {
+            if let Some(words) = geared(u, y) {
+                self.found[motor].role = Guess::known(Role::MotorPosition);
+                self.found[link].role = Guess::known(Role::LinkPosition);
+                self.open.push(words);
+            }
+            return;
+        }
+        if is_far(slope(u, y)) {
             return;
         }
         self.found[motor].role = Guess::known(Role::MotorPosition);
         self.found[link].role = Guess::known(Role::LinkPosition);
     }
+}
+
+/// A sentence on a length that follows the angle of a motor, or an angle a length: more of it is explained by that than is
+/// left. A deformation has the slope 0 over the motor side.
+fn geared(u: &Column, y: &Column) -> Option<String> {
+    let [own, its] = [u, y].map(|column| column.name.unit.as_deref());
+    let known = |unit: Option<&str>| unit.and_then(super::name::unit);
+    let [from, to] = [known(own)?, known(its)?];
+    let is_motion = |unit: &Unit| matches!(unit.dimension, Dimension::Angle | Dimension::Length);
+    let ratio = slope(u, y);
+    let follows = ratio * slope(y, u) > 0.5;
+    let told = follows && from.dimension != to.dimension && is_motion(from) && is_motion(to);
+    told.then(|| {
+        let (unit, per) = (to.names[0], from.names[0]);
+        format!(
+            "how many {unit} {:?} goes for each {per} of {:?}: write the exact number as scale, with unit = \"{unit}\", for \
+             motor_position; it follows with about {ratio:.4}",
+            y.title, u.title
+        )
+    })
 }
 
 /// The slope of one column over another, by least squares.
@@ -51,6 +80,14 @@ fn slope(over: &Column, of: &Column) -> f64 {
         both.filter(|(x, y)| x.is_finite() && y.is_finite())
     };
     let count = pairs().count() as f64;
+    if count == 0.0 {
+        // Each row has the one or the other: how far they go tells it.
+        let range = |column: &Column| {
+            let values = || column.numbers.iter().copied().filter(|own| own.is_finite());
+            values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+        };
+        return range(of) / range(over);
+    }
     let (x, y) = pairs().fold((0.0, 0.0), |sum, (x, y)| {
         (sum.0 + x / count, sum.1 + y / count)
     });

@@ -6,9 +6,10 @@ use super::super::stamp::TimeUnit;
 use super::clock::{self, Clock};
 use super::columns::{self, Channel, Channels};
 use super::content::{Column, Content};
-use super::{Guess, Proposal, Proposed, joint, manifest_name, response, unreadable};
+use super::{Guess, Proposal, Proposed, joint, manifest_name, response, restarts, unreadable};
 use std::collections::BTreeSet;
 use std::fmt::Write;
+use std::ops::Range;
 use std::path::Path;
 
 /// A file with its proposal.
@@ -16,7 +17,18 @@ struct Read<'a> {
     content: &'a Content,
     clock: Clock,
     tests: Option<usize>,
+    /// The rows of each test, where its time begins again and no column tells them apart.
+    parts: Vec<Range<usize>>,
     channels: Channels,
+}
+
+/// One test of a file with several.
+#[derive(Clone)]
+enum Test {
+    /// All rows with this cell in the column of the tests.
+    Called(String),
+    /// Rows below the header.
+    Rows(Range<usize>),
 }
 
 /// The proposal for the files of `path`, which is one of them or their folder.
@@ -53,21 +65,18 @@ pub fn proposal(path: &Path, contents: &[Content]) -> Proposal {
         let mut all = Vec::new();
         for file in &files {
             let stem = file.content.stem();
-            let tests = file
-                .tests
-                .map(|index| &file.content.columns[index].distinct);
-            match tests {
-                None => all.push((stem, file, None)),
-                Some(tests) => {
-                    let one = |test: &String| (format!("{stem}_{test}"), file, Some(test.clone()));
-                    all.extend(tests.iter().map(one));
-                }
+            let tests = file.several();
+            if tests.is_empty() {
+                all.push((stem.clone(), file, None));
+            }
+            for (called, test) in tests {
+                all.push((format!("{stem}_{called}"), file, Some(test)));
             }
         }
         for (number, (stem, file, test)) in all.iter().enumerate() {
             let name = manifest_name(number == 0 && files.len() == 1, stem);
             let one = std::slice::from_ref(*file);
-            manifests.push(manifest(name, stem, one, test.as_deref()));
+            manifests.push(manifest(name, stem, one, test.as_ref()));
         }
     }
     let found = files.iter().flat_map(|file| &file.channels.found);
@@ -83,11 +92,16 @@ fn read(content: &Content) -> Read<'_> {
     let clock = clock::of(content);
     let is_signal = |index| columns::role(content, index).is_some_and(|(_, certain)| certain);
     let tests = clock::tests(content, &clock, is_signal);
+    let parts = match tests {
+        None => restarts::parts(content, &clock),
+        Some(_) => Vec::new(),
+    };
     let channels = columns::of(content, &clock, tests);
     Read {
         content,
         clock,
         tests,
+        parts,
         channels,
     }
 }
@@ -97,7 +111,7 @@ fn are_one_run(files: &[Read]) -> bool {
     let mut roles = BTreeSet::new();
     let mut found = files.iter().flat_map(|file| &file.channels.found);
     found.all(|channel| roles.insert((channel.role.value.name(), &channel.joint)))
-        && files.iter().all(|file| file.tests.is_none())
+        && files.iter().all(|file| file.several().is_empty())
 }
 
 impl Read<'_> {
@@ -116,17 +130,15 @@ impl Read<'_> {
             } => open.push(why.clone()),
             _ => {}
         }
-        let back = clock::runs_back(self.content, &self.clock).filter(|_| self.tests.is_none());
-        open.extend(back.map(|[before, now]| match before == now {
-            true => format!("its time repeats: {now} stands twice"),
-            false => format!("its time runs backwards: {now} after {before}"),
-        }));
+        if self.several().is_empty() {
+            open.extend(restarts::told(self.content, &self.clock));
+        }
         open
     }
 }
 
 /// The text of one manifest.
-fn manifest(name: String, title: &str, files: &[Read], test: Option<&str>) -> Proposed {
+fn manifest(name: String, title: &str, files: &[Read], test: Option<&Test>) -> Proposed {
     let mut text =
         String::from("# Proposed by `quell inspect`. Look at what is guessed, and correct it.\n");
     let _ = writeln!(text, "name = {}", quoted(title));
@@ -137,6 +149,13 @@ fn manifest(name: String, title: &str, files: &[Read], test: Option<&str>) -> Pr
             text,
             "payload = {}  # by the column {said:?}",
             quoted(value)
+        );
+    }
+    if let Some(Test::Rows(rows)) = test {
+        let _ = writeln!(
+            text,
+            "rows = [{}, {}]  # guessed: the time begins again with each test",
+            rows.start, rows.end
         );
     }
     let shared = files
@@ -180,22 +199,42 @@ fn manifest(name: String, title: &str, files: &[Read], test: Option<&str>) -> Pr
 }
 
 impl Read<'_> {
+    /// The tests of a file with several, each with what it is called.
+    fn several(&self) -> Vec<(String, Test)> {
+        match self.tests {
+            Some(index) => {
+                let called = self.content.columns[index].distinct.iter();
+                let one = |test: &String| (test.clone(), Test::Called(test.clone()));
+                called.map(one).collect()
+            }
+            None => {
+                let parts = self.parts.iter().cloned().enumerate();
+                let one = |(k, rows): (usize, _)| ((k + 1).to_string(), Test::Rows(rows));
+                parts.map(one).collect()
+            }
+        }
+    }
+
     /// The column of the tests, the test, and why it is one.
-    fn only(&self, test: Option<&str>) -> Option<(String, String, &'static str)> {
+    fn only(&self, test: Option<&Test>) -> Option<(String, String, &'static str)> {
         let column = &self.content.columns[self.tests?];
+        let Some(Test::Called(test)) = test else {
+            return None;
+        };
         let why = match column.name.is_payload() {
             true => "each payload is a recording of its own",
             false => "the time begins again with each",
         };
-        Some((column.called.clone(), test?.into(), why))
+        Some((column.called.clone(), test.clone(), why))
     }
 
     /// The payload throughout a test, or the file, and its column.
-    fn payload(&self, test: Option<&str>) -> Option<(&Column, String)> {
+    fn payload(&self, test: Option<&Test>) -> Option<(&Column, String)> {
         let content = self.content;
         let column = content.columns.iter().find(|own| own.name.is_payload())?;
         let rows = match (self.tests, test) {
-            (Some(index), Some(test)) => content.columns[index].rows_of(test)?,
+            (Some(index), Some(Test::Called(test))) => content.columns[index].rows_of(test)?,
+            (_, Some(Test::Rows(rows))) => rows.clone(),
             _ => 0..column.numbers.len(),
         };
         let cell = column.one_of(rows).filter(|cell| !cell.is_empty())?;
@@ -310,12 +349,12 @@ fn to_fill_in(file: &Read) -> String {
         "\n# The names of the columns do not tell what they mean. Fill in role and unit, and take the marks away. A role is\n\
          # tip_acceleration, deformation, link_position, motor_position, torque or another one of the reference.\n",
     );
-    for index in file.channels.unused.iter().take(columns::MOST_ASKED) {
+    for index in file.channels.asked(file.content) {
         let role = Role::Deformation;
         let block = Channel {
             role: Guess::known(role),
             joint: None,
-            columns: vec![*index],
+            columns: vec![index],
             unit: Guess::known(String::new()),
         };
         let block = channel(file, &block).replacen(role.name(), "", 1);

@@ -9,6 +9,7 @@ pub fn of(content: &Content, channels: &Channels) -> Vec<String> {
         restarted(content),
         grouped(content),
         hexadecimal(content, channels),
+        in_turn(content, channels),
     ];
     all.into_iter().flatten().take(1).collect()
 }
@@ -23,6 +24,22 @@ fn restarted(content: &Content) -> Option<String> {
     let place = &column.bad.as_ref()?.place;
     Some(format!(
         "{place} repeats the header: the logger was started again there; make a file of each part"
+    ))
+}
+
+/// On rows that are of several sensors in turn, with their names in a column: the values below each other are of none.
+fn in_turn(content: &Content, channels: &Channels) -> Option<String> {
+    let names = content
+        .columns
+        .iter()
+        .find_map(|column| Some((column, column.in_turn()?)));
+    let (column, names) = names.filter(|_| channels.found.len() <= 1)?;
+    let (called, first) = (&column.called, &names[0]);
+    Some(format!(
+        "the rows are of several sensors in turn, {:?} has {}: write a [[channel]] for each that you mean, with \
+         csv = {{ only = {{ {called:?} = {first:?} }} }}",
+        column.title,
+        names.join(", ")
     ))
 }
 

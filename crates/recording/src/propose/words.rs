@@ -94,6 +94,12 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
         false,
     ),
     (
+        Role::CommandPosition,
+        &["set"],
+        &["position", "pos", "angle", "point", "value"],
+        false,
+    ),
+    (
         Role::MotorVelocity,
         &["motor"],
         &["velocity", "vel", "speed", "rpm"],
@@ -131,6 +137,12 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
         Role::LinkPosition,
         &["link"],
         &["position", "pos", "angle"],
+        true,
+    ),
+    (
+        Role::LinkPosition,
+        &[],
+        &["abtriebswinkel", "abtriebsposition", "lastwinkel"],
         true,
     ),
     (Role::LinkPosition, &[], &["link", "load", "arm"], false),
@@ -230,6 +242,7 @@ pub const TIME: &[&str] = &[
     "temps",
     "heure",
     "seconds",
+    "elapsed",
     "millis",
     "micros",
     "date",
@@ -240,3 +253,17 @@ pub const COUNTS: &[&str] = &["sample", "index", "n", "i", "row", "no", "nr", "c
 
 /// Words for what an axis carries.
 pub const PAYLOADS: &[&str] = &["payload", "nutzlast", "zuladung"];
+
+/// Words for the steps of an encoder or of a converter.
+pub const STEPS: &[&str] = &[
+    "cnt",
+    "cnts",
+    "counts",
+    "inc",
+    "incr",
+    "increments",
+    "inkremente",
+    "ticks",
+    "pulses",
+    "impulses",
+];
