@@ -95,3 +95,73 @@ fn no_two_numbers_of_a_train_overlap() {
     let (count, rest) = told.split_once(", clashes ").expect(&drawn);
     assert!(count == "10" && rest.starts_with('0'), "{told}");
 }
+
+/// The page of a telephone: a table that is wider than its place names each value, and nothing is moved sideways.
+#[test]
+fn a_wide_table_is_listed_where_the_page_is_narrow() {
+    let folder = TempDir::new().unwrap();
+    let page = page(folder.path(), "compare", "compare.html");
+    for width in ["390", "1000"] {
+        let style = format!("<style>main{{width:{width}px}}</style></head>");
+        let file = folder.path().join(format!("out/{width}.html"));
+        std::fs::write(file, page.replace("</head>", &style)).unwrap();
+    }
+    let (Some(wide), Some(narrow)) = (
+        drawn(folder.path(), "1000.html"),
+        drawn(folder.path(), "390.html"),
+    ) else {
+        return;
+    };
+    let listed = |page: &str| page.matches("class=\"wide listed\"").count();
+    assert_eq!(listed(&wide), 0);
+    assert_eq!(listed(&narrow), 2);
+    assert!(narrow.contains("data-name=\"at -25 %\""));
+    assert!(narrow.contains("data-name=\"delay (s)\""));
+}
+
+/// What a script's checks say, in a page of its own.
+fn checked(script: &str, kind: &str, checks: &str) -> Option<String> {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    let body = format!(
+        "<body></body><script{kind}>{script}\n\
+         const answer = (() => {{ {checks} }})(); document.body.append(`told ${{answer}}.`);</script>"
+    );
+    std::fs::write(out.join("checked.html"), body).unwrap();
+    let drawn = drawn(folder.path(), "checked.html")?;
+    let told = drawn.rsplit("told ").next().unwrap_or_default();
+    Some(told.split(".<").next().unwrap_or_default().to_string())
+}
+
+/// Two knocks within a pixel and a change of payload, whose words are as long as the way to the next line: on a chart of
+/// 270 px they left it no room.
+#[test]
+fn words_above_a_chart_leave_it_its_room() {
+    let checks = "const lines = [[151.3, 'external disturbance'], [150.9, 'external disturbance'], [97, 'payload change']];
+        const items = lines.map(([at, label]) => ({ at, label, line: true }));
+        const found = inRows([...items, { at: 26, label: 'held out', line: false }], 260, (text) => 6.2 * text.length);
+        const over = (a, b) => a !== b && a.row === b.row && a.left < b.left + b.width && b.left < a.left + a.width;
+        return [found.length, found.filter((a) => found.some((b) => over(a, b))).length,
+            Math.max(...found.map((one) => one.row)) < 4, found[0].label].join();";
+    let script = include_str!("../crates/page/assets/rows.js");
+    if let Some(told) = checked(script, "", checks) {
+        assert_eq!(told, "3,0,true,external disturbance (2)");
+    }
+}
+
+#[test]
+fn an_axis_has_round_numbers() {
+    let ticks = include_str!("../assets/service/ticks.js");
+    let checks = "return [angles(-63, 97), angles(-4.2, 4.2), ticks(7.9, 8.3)].join(' ');";
+    if let Some(told) = checked(ticks, " type=\"module\"", checks) {
+        assert_eq!(told, "-60,-30,0,30,60,90 -4,-2,0,2,4 7.9,8,8.1,8.2,8.3");
+    }
+    let ruled = include_str!("../crates/page/assets/ruled.js");
+    let checks = "const u = (width) => ({ axes: [{ side: 2 }], scales: { x: { min: 0.122, max: 122 } }, bbox: { width } });
+        const lines = (width) => ruled({ log: true })(u(width), [0.122, 0.2, 1, 30], 0).map((v) => v ?? '-');
+        return [lines(900), lines(90)].join(' ');";
+    if let Some(told) = checked(ruled, "", checks) {
+        assert_eq!(told, "-,0.2,1,30 -,-,1,-");
+    }
+}

@@ -2,6 +2,7 @@
 
 import { ask, command } from "./ask.js";
 import { $, DEG, degrees, element, number } from "./dom.js";
+import { angles, ticks } from "./ticks.js";
 
 const [HEIGHT, LEFT, BELOW] = [240, 34, 30];
 const SHOWN = 0.25; // a frequency whose two standard deviations are a larger share of it is none to show
@@ -69,9 +70,9 @@ function drawMap() {
   for (const hertz of ticks(least, most)) {
     svg.append(make("line", { class: "grid", x1: LEFT, x2: width, y1: y(hertz), y2: y(hertz) }), make("text", { x: LEFT - 8, y: y(hertz) + 4, "text-anchor": "end" }, String(hertz)));
   }
-  for (let k = 0; k < 5; k++) {
-    const position = from + ((to - from) * k) / 4;
-    svg.append(make("text", { x: x(position), y: HEIGHT - 8, "text-anchor": k ? (k < 4 ? "middle" : "end") : "start" }, `${Math.round(position * DEG)}°`));
+  for (const angle of angles(from * DEG, to * DEG)) {
+    const place = x(angle / DEG), anchor = place < LEFT + 12 ? "start" : place > width - 26 ? "end" : "middle";
+    svg.append(make("text", { x: place, y: HEIGHT - 8, "text-anchor": anchor }, `${angle}°`.replace("-", "\u2212")));
   }
   parts.forEach((curve, k) => {
     const edge = (sign) => curve.map((at) => `${x(at.position_rad)},${y(at.frequency_hz + sign * 2 * at.frequency_std_hz)}`);
@@ -90,13 +91,6 @@ function around(points) {
   const high = Math.max(...points.map((at) => at.frequency_hz + 2 * at.frequency_std_hz));
   const more = Math.max(0.1 * (high - low), 0.02 * high);
   return [Math.max(low - more, 0), high + more];
-}
-
-/** Round numbers from the least to the most. */
-function ticks(least, most) {
-  const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200].find((one) => (most - least) / one <= 6) ?? 500;
-  const [first, last] = [Math.ceil(least / step), Math.floor(most / step)];
-  return Array.from({ length: last - first + 1 }, (_, k) => Number(((first + k) * step).toFixed(1)));
 }
 
 /** Has the button forget what was learned of the joint that is shown. */

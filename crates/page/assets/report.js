@@ -28,10 +28,11 @@
   // Room for the longest label of an axis.
   function labelRoom(u, values, index, cycle) {
     const axis = u.axes[index];
-    if (cycle > 1) return axis._size;
     const longest = (values || []).reduce((a, b) => (b && b.length > a.length ? b : a), "");
     u.ctx.font = axis.font[0];
-    return Math.ceil(axis.ticks.size + axis.gap + 6 + u.ctx.measureText(longest).width / devicePixelRatio);
+    const room = Math.ceil(axis.ticks.size + axis.gap + 6 + u.ctx.measureText(longest).width / devicePixelRatio);
+    // It only grows while the chart is laid out, so that it comes to rest.
+    return cycle > 1 ? Math.max(axis._size, room) : room;
   }
 
   // Whether the name of the ordinate fits along it; one that is longer stands above the chart.
@@ -46,9 +47,9 @@
     const font = `12px ${family()}`;
     const made = {
       label, labelFont: `13px ${family()}`, font, labelSize: NAME, labelGap: 2, gap: 4,
-      stroke: colour("quiet"), grid: { stroke: colour("grid"), width: 1 },
-      ticks: { stroke: colour("line"), width: 1, size: 5 },
-      values: (u, splits) => splits.map((v) => (v == null ? "" : tidy(v, spec.log ? 3 : 6))),
+      stroke: colour("quiet"), grid: { stroke: colour("grid"), width: 1, filter: ruled(spec) },
+      ticks: { stroke: colour("line"), width: 1, size: 5, filter: ruled(spec) },
+      values: (u, splits) => splits.map((v) => (v == null || (spec.log && !leading(v)) ? "" : tidy(v, spec.log ? 3 : 6))),
     };
     made.size = vertical ? labelRoom : TICKS;
     if (!vertical) made.space = 72;
@@ -108,31 +109,19 @@
     };
   }
 
-  // Words on places of the abscissa stand above the curves, in rows where they would overlap, each right of its line or left of it.
+  // Words on places of the abscissa stand above the curves.
   const ROW = 18;
   function rows(u, chart) {
-    const { ctx } = fits, end = u.bbox.width / devicePixelRatio, found = [];
+    const { ctx } = fits, end = u.bbox.width / devicePixelRatio;
+    const at = (place) => u.valToPos(place, "x"), inside = (place) => !(chart.x.log && !(place > 0)) && at(place) >= 0 && at(place) <= end;
+    const lines = [...chart.markers].sort((a, b) => b.at - a.at).filter((one) => inside(one.at));
+    const stretches = chart.shades.filter(({ from, to, label, upright }) => label && !upright && (inside(from) || inside(to)));
+    const words = [
+      ...lines.map((one) => ({ label: one.label, at: at(one.at), line: true })),
+      ...stretches.map((one) => ({ label: one.label, at: Math.max(0, at(one.from)), line: false })),
+    ];
     ctx.font = `12px ${family()}`;
-    const place = (label, at, line) => {
-      const width = ctx.measureText(label).width, from = at + (line ? 5 : 2);
-      const left = Math.max(0, from + width <= end ? from : line ? at - 5 - width : end - width);
-      const hits = (row) => found.some((f) =>
-        (f.row === row && left - 8 < f.left + f.width && f.left < left + width + 8) ||
-        (f.line && f.row >= row && left - 3 < f.at && f.at < left + width + 3) ||
-        (line && f.row < row && f.left - 3 < at && at < f.left + f.width + 3));
-      let row = 0;
-      while (hits(row) && row < 12) row++;
-      found.push({ label, at, line, left, width, row });
-    };
-    const inside = (at) => !(chart.x.log && !(at > 0)) && u.valToPos(at, "x") >= 0 && u.valToPos(at, "x") <= end;
-    for (const { at, label } of [...chart.markers].sort((a, b) => b.at - a.at)) {
-      if (inside(at)) place(label, u.valToPos(at, "x"), true);
-    }
-    for (const { from, to, label, upright } of chart.shades) {
-      if (!label || upright || !(inside(from) || inside(to))) continue;
-      place(label, Math.max(0, u.valToPos(from, "x")), false);
-    }
-    return found;
+    return inRows(words, end, (label) => ctx.measureText(label).width);
   }
   // The room above the curves. The first time that it is asked for, there are no scales yet.
   const above = (chart) => (u, side, axes, cycle) =>

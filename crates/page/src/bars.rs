@@ -2,6 +2,7 @@
 
 use super::colour::{COLOURS, swatch};
 use super::html::number;
+use super::prose::prose;
 use maud::{Markup, html};
 
 /// Horizontal bars from zero, each with its value beside it; several series stand below each other.
@@ -98,7 +99,7 @@ impl Bars {
                     @for category in 0..self.categories.len() { (self.row(category, colour)) }
                 }
                 (self.keys(colour))
-                @if let Some(note) = &self.note { p.note { (note) } }
+                @if let Some(note) = &self.note { p.note { (prose(note)) } }
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Charts: curves over a common abscissa, and impulse trains.
 
 use super::html::{json_number, json_string};
+use super::prose::prose;
 use super::series::{Axis, Series};
 use super::thin::STRETCHES;
 use maud::{Markup, html};
@@ -220,7 +221,7 @@ impl Chart {
                 figcaption { (self.title) }
                 div.plot id=(format!("plot-{number}")) role="img" aria-label=(self.title) {}
                 p.note {
-                    @if let Some(note) = &self.note { (note) " " }
+                    @if let Some(note) = &self.note { (prose(note)) " " }
                     @if let Some(thinning) = self.thinning() { (thinning) " " }
                     span.mouse { "Drag to zoom, double-click to see all again." }
                 }

@@ -1,6 +1,7 @@
 //! Key figures.
 
 use super::html::number;
+use super::prose::prose;
 use maud::{Markup, html};
 
 /// A key figure: one number with its unit, and what it means.
@@ -49,7 +50,7 @@ impl Figure {
             div {
                 dt { (self.name) }
                 dd.value { (self.value) " " small { (self.unit) } }
-                @if !self.note.is_empty() { dd.note { (self.note) } }
+                @if !self.note.is_empty() { dd.note { (prose(&self.note)) } }
             }
         }
     }

@@ -8,6 +8,7 @@ mod columns;
 mod figure;
 mod html;
 mod page;
+mod prose;
 mod series;
 mod table;
 mod thin;

@@ -6,6 +6,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use thiserror::Error;
 
 use super::colour::COLOURS;
+use super::prose::prose;
 use super::{Bars, Chain, Chart, Figure, Table};
 
 /// The script of uPlot, which draws the charts.
@@ -15,6 +16,9 @@ pub const UPLOT_STYLE: &str = include_str!("../assets/uplot-1.6.32/uPlot.min.css
 const UPLOT_LICENCE: &str = include_str!("../assets/uplot-1.6.32/LICENSE");
 const SCRIPT: &str = include_str!("../assets/report.js");
 const PLACED: &str = include_str!("../assets/placed.js");
+const ROWS: &str = include_str!("../assets/rows.js");
+const RULED: &str = include_str!("../assets/ruled.js");
+const LISTED: &str = include_str!("../assets/listed.js");
 const FRAME: &str = include_str!("../assets/frame.js");
 /// The style sheet of every page.
 pub const STYLE: &str = include_str!("../assets/report.css");
@@ -196,7 +200,7 @@ impl Page {
                         (self.render_foot())
                     }
                     (self.render_curves(&|name| slot(name).unwrap_or(0)))
-                    script { (PreEscaped(FRAME)) }
+                    script { (PreEscaped(FRAME)) (PreEscaped(LISTED)) }
                 }
             }
         };
@@ -257,7 +261,7 @@ impl Page {
                 @let (class, sign) = verdict.shown();
                 p class={"verdict " (class)} {
                     b aria-hidden="true" { (sign) }
-                    span { (sentence) }
+                    span { (prose(sentence)) }
                 }
             }
             @if !self.figures.is_empty() {
@@ -270,7 +274,7 @@ impl Page {
         let mut plots = 0..;
         let mut render = |block: &Block| match block {
             Block::Heading(heading) => html! { h2 { (heading) } },
-            Block::Text(text) => html! { p { (text) } },
+            Block::Text(text) => html! { p { (prose(text)) } },
             Block::Table(table) => table.render(slot),
             Block::Bars(bars) => bars.render(slot),
             Block::Chain(chain) => chain.render(),
@@ -295,7 +299,7 @@ impl Page {
                 }
                 (PreEscaped(licence))
                 script { (PreEscaped(UPLOT_SCRIPT)) }
-                script { (PreEscaped(PLACED)) (PreEscaped(SCRIPT)) }
+                script { (PreEscaped(PLACED)) (PreEscaped(ROWS)) (PreEscaped(RULED)) (PreEscaped(SCRIPT)) }
             }
         }
     }

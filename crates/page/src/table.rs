@@ -2,6 +2,7 @@
 
 use super::colour::line;
 use super::html::significant;
+use super::prose::prose;
 use maud::{Markup, html};
 
 /// One entry of a table.
@@ -137,7 +138,7 @@ impl Table {
                         tbody { @for row in &self.rows { (self.render_row(row, colour)) } }
                     }
                 }
-                @if let Some(note) = &self.note { p.note { (note) } }
+                @if let Some(note) = &self.note { p.note { (prose(note)) } }
             }
         }
     }

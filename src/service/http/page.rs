@@ -29,11 +29,12 @@ const KEYS: &str = include_str!("../../../assets/service/keys.js");
 const MODES: &str = include_str!("../../../assets/service/modes.js");
 const MOVES: &str = include_str!("../../../assets/service/moves.js");
 const CHARTS: &str = include_str!("../../../assets/service/charts.js");
+const TICKS: &str = include_str!("../../../assets/service/ticks.js");
 const RECORDINGS: &str = include_str!("../../../assets/service/recordings.js");
 const ICON: &str = include_str!("../../../assets/service/icon.svg");
 
 /// Path, type and text of each file.
-const FILES: [(&str, &str, &str); 15] = [
+const FILES: [(&str, &str, &str); 16] = [
     ("/", HTML, PAGE),
     ("/service.css", CSS, STYLE),
     ("/service.js", JS, SCRIPT),
@@ -45,6 +46,7 @@ const FILES: [(&str, &str, &str); 15] = [
     ("/modes.js", JS, MODES),
     ("/moves.js", JS, MOVES),
     ("/recordings.js", JS, RECORDINGS),
+    ("/ticks.js", JS, TICKS),
     ("/icon.svg", SVG, ICON),
     ("/report.css", CSS, quell_page::STYLE),
     ("/uplot.js", JS, quell_page::UPLOT_SCRIPT),
