@@ -2,8 +2,9 @@
 
 use super::case::Case;
 use super::{head, words};
-use quell_diagnosis::{Finding, Verdict};
+use quell_diagnosis::{Candidate, Finding, Verdict};
 use quell_page::{Bars, Page, Table, digits, fixed, number};
+use std::collections::BTreeSet;
 
 /// Most candidates that are drawn, and that are listed.
 const DRAWN: usize = 10;
@@ -66,8 +67,18 @@ fn doubt(case: &Case, finding: &Finding) -> Option<String> {
     }
 }
 
+/// The candidates, each set of effects once, by its best fit. Fits of the same effects from other starting values are lesser
+/// optima, and no other explanation; `diagnosis.json` has them.
+fn distinct<'a>(case: &Case<'a>) -> Vec<&'a Candidate> {
+    let mut known = BTreeSet::new();
+    let candidates = case.diagnosis.candidates.iter();
+    candidates
+        .filter(|one| known.insert(one.effect.as_str()))
+        .collect()
+}
+
 fn bars(case: &Case) -> Bars {
-    let drawn = &case.diagnosis.candidates[..case.diagnosis.candidates.len().min(DRAWN)];
+    let drawn: Vec<_> = distinct(case).into_iter().take(DRAWN).collect();
     let names = drawn
         .iter()
         .map(|one| words::capital(&case.title(&one.effect)));
@@ -94,7 +105,7 @@ fn bars(case: &Case) -> Bars {
 }
 
 fn table(case: &Case) -> Table {
-    let candidates = &case.diagnosis.candidates;
+    let candidates = distinct(case);
     let logs = candidates.iter().map(|one| one.log_evidence);
     let best = logs.fold(f64::NEG_INFINITY, f64::max);
     let mut table = Table::new("The ranking")
@@ -103,7 +114,7 @@ fn table(case: &Case) -> Table {
         .column("held-out ratio", "")
         .column("log evidence, less the best", "")
         .text_column("place");
-    for one in candidates.iter().take(LISTED) {
+    for one in candidates.iter().copied().take(LISTED) {
         let name = words::capital(&case.title(&one.effect));
         table = table.row([
             name.into(),

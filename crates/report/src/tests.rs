@@ -61,7 +61,7 @@ fn a_learned_law_is_told_as_a_curve() {
         for words in [
             "The learned spring is odd.",
             "It is like cubic stiffness",
-            "stays inside its 95 % band",
+            "stays inside its 95",
             "deformation is \u{2212}2 to 2 mrad; nothing is claimed outside of that",
             "11 urad rms, 1.10 times the noise",
         ] {
@@ -162,4 +162,17 @@ fn all_misfits_of_a_text_are_in_one_unit() {
         assert!(told.contains("rms 97.4 urad, 9.74 times the noise of 10 urad"));
         assert!(told.contains("rms 10.1 urad, 1.01 times the noise of 10 urad"));
     }
+}
+
+#[test]
+fn a_lesser_fit_of_the_same_effects_is_no_second_explanation() {
+    let page = with(&finding("[]"), |case| {
+        let mut diagnosis = case.diagnosis.clone();
+        let mut lesser = diagnosis.candidates[0].clone();
+        (lesser.log_evidence, lesser.probability) = (30693.0, 1e-13);
+        diagnosis.candidates.push(lesser);
+        page_of(&Case::new(&diagnosis, case.traces), "model.toml", &[]).render()
+    });
+    assert_eq!(page.matches("<tr class=\"marked\">").count(), 1);
+    assert!(!page.contains("\u{2212}30.4"));
 }

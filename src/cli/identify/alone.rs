@@ -170,11 +170,14 @@ impl Alone {
     /// The recommended shaper in a sentence.
     pub fn recommended(&self, advice: &Recommendation) -> String {
         let best = &advice.best;
+        let left = match 100.0 * best.worst_95 {
+            left if left < 0.05 => "less than 0.1 %".into(),
+            left => format!("at most {left:.1} %"),
+        };
         format!(
-            "{}, which adds {:.4} s and leaves at most {:.1} % within two standard deviations.",
+            "{}, which adds {:.4} s and leaves {left} within two standard deviations.",
             best.shaper.name(),
             best.delay,
-            100.0 * best.worst_95
         )
     }
 

@@ -34,14 +34,21 @@ pub fn page(all: &[Alone], tuned: &[Tuned]) -> Page {
             None => "No shaper can be designed for these modes.".into(),
         };
         let [[hertz, std], [ratio, of_ratio]] = quoted(mode);
+        let of_several = match first.found.modes.len() {
+            1 => String::new(),
+            count => format!(", mode 1 of {count}"),
+        };
         page = page
             .verdict(Verdict::Good, sentence)
             .figure(
-                Figure::text("natural frequency", hertz)
+                Figure::text(format!("natural frequency{of_several}"), hertz)
                     .unit("Hz")
                     .note(format!("\u{b1} {std} (one standard deviation)")),
             )
-            .figure(Figure::text("damping ratio", ratio).note(format!("\u{b1} {of_ratio}")));
+            .figure(
+                Figure::text(format!("damping ratio{of_several}"), ratio)
+                    .note(format!("\u{b1} {of_ratio}")),
+            );
     }
     for one in all {
         page = page.heading(one.recording.clone()).table(modes(one));

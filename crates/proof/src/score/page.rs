@@ -48,10 +48,14 @@ impl Score {
             .chart(self.reliability_chart())
             .table(self.reliability_table())
             .heading("What was taken for what")
-            .table(self.confusion_table())
-            .heading("Effect by effect")
-            .bars(self.effect_bars())
-            .table(self.effects_table());
+            .table(self.confusion_table());
+        let page = match self.by_effect().is_empty() {
+            true => page,
+            false => page
+                .heading("Effect by effect")
+                .bars(self.effect_bars())
+                .table(self.effects_table()),
+        };
         let page = self.wrong_table().into_iter().fold(page, Page::table);
         page.footnote(
             "A family is right when the first name (for two effects: each of both) is of the \
