@@ -71,8 +71,7 @@ function drawMap() {
     svg.append(make("line", { class: "grid", x1: LEFT, x2: width, y1: y(hertz), y2: y(hertz) }), make("text", { x: LEFT - 8, y: y(hertz) + 4, "text-anchor": "end" }, String(hertz)));
   }
   for (const angle of angles(from * DEG, to * DEG)) {
-    const place = x(angle / DEG), anchor = place < LEFT + 12 ? "start" : place > width - 26 ? "end" : "middle";
-    svg.append(make("text", { x: place, y: HEIGHT - 8, "text-anchor": anchor }, `${angle}°`.replace("-", "\u2212")));
+    svg.append(make("text", { x: x(angle / DEG), y: HEIGHT - 8, "text-anchor": "middle" }, `${angle}°`.replace("-", "\u2212")));
   }
   parts.forEach((curve, k) => {
     const edge = (sign) => curve.map((at) => `${x(at.position_rad)},${y(at.frequency_hz + sign * 2 * at.frequency_std_hz)}`);

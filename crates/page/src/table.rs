@@ -76,7 +76,8 @@ struct Column {
 #[derive(Clone, Debug, PartialEq)]
 struct Row {
     cells: Vec<Cell>,
-    marked: bool,
+    /// Its class, where it is one to look at.
+    mark: Option<&'static str>,
 }
 
 impl Table {
@@ -102,17 +103,23 @@ impl Table {
     /// A row, from left to right; what is missing stays empty, what is too much is left out.
     pub fn row(mut self, cells: impl IntoIterator<Item = Cell>) -> Self {
         let cells = cells.into_iter().collect();
-        self.rows.push(Row {
-            cells,
-            marked: false,
-        });
+        self.rows.push(Row { cells, mark: None });
         self
     }
 
     /// Marks the last row as the one to look at.
-    pub fn marked(mut self) -> Self {
+    pub fn marked(self) -> Self {
+        self.mark("marked")
+    }
+
+    /// Marks the last row, less firmly, as one that may stand in the place of the one to look at.
+    pub fn perhaps(self) -> Self {
+        self.mark("perhaps")
+    }
+
+    fn mark(mut self, class: &'static str) -> Self {
         if let Some(row) = self.rows.last_mut() {
-            row.marked = true;
+            row.mark = Some(class);
         }
         self
     }
@@ -156,7 +163,7 @@ impl Table {
     fn render_row(&self, row: &Row, colour: &dyn Fn(&str) -> Option<usize>) -> Markup {
         let own = |index: usize, text: &str| (index == 0).then(|| colour(text)).flatten();
         html! {
-            tr class=[row.marked.then_some("marked")] {
+            tr class=[row.mark] {
                 @for index in 0..self.columns.len() {
                     td class=[self.class(index, row)] {
                         @match row.cells.get(index) {

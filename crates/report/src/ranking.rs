@@ -3,7 +3,7 @@
 use super::case::Case;
 use super::{head, words};
 use quell_diagnosis::{Candidate, Finding, Verdict};
-use quell_page::{Bars, Page, Table, digits, fixed, number};
+use quell_page::{Bars, Cell, Page, Table, digits, fixed, number};
 use std::collections::BTreeSet;
 
 /// Most candidates that are drawn, and that are listed.
@@ -96,8 +96,8 @@ fn bars(case: &Case) -> Bars {
             "Chi-squared, relative to the model without the effect; the shorter, the better. The order is that of the \
              log evidence.",
         );
-    let marked = (0..drawn.len()).filter(|&k| words::in_set(case, &drawn[k].effect));
-    let bars = marked.fold(bars, Bars::marked);
+    let marked = (0..drawn.len()).find(|&k| words::in_set(case, &drawn[k].effect));
+    let bars = marked.into_iter().fold(bars, Bars::marked);
     match floor.is_finite() {
         true => bars.level(floor, "noise alone, about"),
         false => bars,
@@ -114,19 +114,14 @@ fn table(case: &Case) -> Table {
         .column("held-out ratio", "")
         .column("log evidence, less the best", "")
         .text_column("place");
+    let (mut named, mut doubted) = (false, false);
     for one in candidates.iter().copied().take(LISTED) {
-        let name = words::capital(&case.title(&one.effect));
-        table = table.row([
-            name.into(),
-            words::percent(one.probability).into(),
-            digits(one.held_out_ratio, 3).into(),
-            fixed(one.log_evidence - best, 1)
-                .replace('-', "\u{2212}")
-                .into(),
-            one.place.clone().into(),
-        ]);
-        if words::in_set(case, &one.effect) {
-            table = table.marked();
+        table = table.row(row(case, one, best));
+        // The best one is named. The others of the set may be right, and are told so, but not as firmly.
+        match (words::in_set(case, &one.effect), named) {
+            (false, _) => {}
+            (true, false) => (table, named) = (table.marked(), true),
+            (true, true) => (table, doubted) = (table.perhaps(), true),
         }
     }
     let rest = candidates.len().saturating_sub(LISTED);
@@ -134,11 +129,26 @@ fn table(case: &Case) -> Table {
         0 => String::new(),
         rest => format!(" {rest} more are in diagnosis.json."),
     };
+    let lines = match doubted {
+        true => "A line at the left: the data do not exclude it. ",
+        false => "",
+    };
     table.note(format!(
-        "Log evidence: the natural logarithm of the marginal likelihood. A difference of 3 is odds of 20 to 1, of 5 of \
+        "{lines}Log evidence: the natural logarithm of the marginal likelihood. A difference of 3 is odds of 20 to 1, of 5 of \
          150 to 1. Probability: among the explanations that were looked at. Held-out ratio: chi-squared on the held-out \
          data, over that of the refitted model.{more}"
     ))
+}
+
+fn row(case: &Case, one: &Candidate, best: f64) -> [Cell; 5] {
+    let less = fixed(one.log_evidence - best, 1).replace('-', "\u{2212}");
+    [
+        words::capital(&case.title(&one.effect)).into(),
+        words::percent(one.probability).into(),
+        digits(one.held_out_ratio, 3).into(),
+        less.into(),
+        one.place.clone().into(),
+    ]
 }
 
 /// For a model that lacks nothing: the extent of the search.

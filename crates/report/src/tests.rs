@@ -176,3 +176,20 @@ fn a_lesser_fit_of_the_same_effects_is_no_second_explanation() {
     assert_eq!(page.matches("<tr class=\"marked\">").count(), 1);
     assert!(!page.contains("\u{2212}30.4"));
 }
+
+#[test]
+fn what_may_stand_for_the_finding_is_not_as_firm() {
+    let mut finding = finding("[]");
+    finding.alternatives = vec!["cubic_stiffness".into()];
+    let page = with(&finding, |case| {
+        let mut diagnosis = case.diagnosis.clone();
+        let mut second = diagnosis.candidates[0].clone();
+        second.effect = "cubic_stiffness".into();
+        (second.log_evidence, second.probability) = (30720.0, 0.04);
+        diagnosis.candidates.push(second);
+        page_of(&Case::new(&diagnosis, case.traces), "model.toml", &[]).render()
+    });
+    let rows = |class: &str| page.matches(&format!("<tr class=\"{class}\">")).count();
+    assert_eq!([rows("marked"), rows("perhaps")], [1, 1]);
+    assert!(page.contains("the data do not exclude it"));
+}
