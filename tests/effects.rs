@@ -353,7 +353,15 @@ fn changes_nothing(law: &Law, series: &[f64]) -> Result<(), String> {
                 let [value, motor] = [pair[0], pair[1]];
                 let time = *time;
                 same(sensor.instant(time), time, "instant")?;
-                same(sensor.read(&Reading { time, value, motor }), value, "value")?;
+                for tracked in [false, true] {
+                    let reading = Reading {
+                        time,
+                        value,
+                        motor,
+                        tracked,
+                    };
+                    same(sensor.read(&reading), value, "value")?;
+                }
             }
         }
     }
@@ -771,12 +779,33 @@ fn val_second_order_lag_of_a_step_held() {
     }
 }
 
+/// A tip on a circle, in a frame that moves by a little in two directions.
+#[test]
+fn val_a_frame_that_drifts_turns_the_tip_by_its_angle() {
+    let (rate, growth, time) = (1e-6, -0.7, 2.0);
+    for angle in [-2.5_f64, -0.4, 0.0, 1.1, 3.0] {
+        let reading = Reading {
+            time,
+            value: angle,
+            motor: angle,
+            tracked: true,
+        };
+        let seen = sensor("sensor_drift", &[rate, growth, 0.0]).read(&reading);
+        let moved = [-rate * growth * time, rate * time];
+        let tip = [angle.cos() + moved[0], angle.sin() + moved[1]];
+        let turned = (tip[1] * angle.cos() - tip[0] * angle.sin()).asin();
+        // The second order of the displacement.
+        assert_near(seen - angle, turned, 1e-11, "sensor_drift");
+    }
+}
+
 #[test]
 fn val_sensors_by_hand() {
     let reading = Reading {
         time: 2.0,
         value: 1.5,
         motor: 1.0,
+        tracked: false,
     };
     for (name, parameters, expected) in [
         ("sensor_gain", vec![0.1], 1.65),
