@@ -8,7 +8,7 @@ use super::problem::Problem;
 use super::units::units;
 use nalgebra::{DMatrix, DVector};
 use quell_model::Term;
-use quell_model::curves::{BAND, Curve, nearest, points};
+use quell_model::curves::{BAND, Curve, NamedLaws, points};
 use quell_model::effects::{LEARNED, Motion, Place, Scales, Slot, Units, curve};
 
 /// The law of an effect of a point as a curve; `None` if it is no static law, or occurs several times.
@@ -81,8 +81,8 @@ impl Drawn<'_> {
         let Problem {
             scales, catalogue, ..
         } = self.problem;
-        let all = nearest(curve, self.term.place, &self.at, scales, *catalogue);
-        let nearest = all.into_iter().next()?;
+        let laws = NamedLaws::of(curve, self.term.place, &self.at, scales, *catalogue)?;
+        let nearest = laws.nearest().into_iter().next()?;
         let parameters = nearest.effect.parameters.iter().zip(&nearest.values);
         let told = NearestLaw {
             effect: nearest.effect.name.into(),

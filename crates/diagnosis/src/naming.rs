@@ -6,11 +6,12 @@ use super::explanation::Explanation;
 use super::law_band::still;
 use super::point::{Global, Point};
 use super::pool::Pool;
+use super::problem::Problem;
 use super::search::Search;
 use super::thresholds::BEAM;
 use nalgebra::DMatrix;
 use quell_model::Term;
-use quell_model::curves::{Curve, nearest, nearest_sums};
+use quell_model::curves::{Curve, NamedLaws};
 use quell_model::effects::Effect;
 use rayon::prelude::*;
 
@@ -44,20 +45,13 @@ impl Search<'_> {
         let Some(curve) = curve else {
             return Vec::new();
         };
-        let laws = nearest(
-            &curve,
-            learned.place,
-            &at,
-            &problem.scales,
-            problem.catalogue,
-        );
-        let sums = nearest_sums(
-            &curve,
-            learned.place,
-            &at,
-            &problem.scales,
-            problem.catalogue,
-        );
+        let Problem {
+            scales, catalogue, ..
+        } = problem;
+        let Some(laws) = NamedLaws::of(&curve, learned.place, &at, scales, *catalogue) else {
+            return Vec::new();
+        };
+        let sums = laws.nearest_sums();
         let sums = sums.into_iter().take(BEAM).map(Vec::from);
         let others = point.without(index);
         let with = |laws: Vec<(&'static Effect, Vec<f64>)>| {
@@ -73,7 +67,10 @@ impl Search<'_> {
                         .then(|| point.with(term))
                 })
         };
-        let single = laws.into_iter().map(|law| vec![(law.effect, law.values)]);
+        let single = laws
+            .nearest()
+            .into_iter()
+            .map(|law| vec![(law.effect, law.values)]);
         single.chain(sums).filter_map(with).collect()
     }
 }

@@ -172,25 +172,13 @@ impl IdentificationError {
         }
         self
     }
-}
 
-impl IdentificationError {
     /// With the frequencies that were searched, Hz, where no mode was found among them.
-    pub(super) fn among(self, range: [f64; 2]) -> Self {
-        match self {
-            Self::NotExcited {
-                found,
-                needed,
-                samples,
-                ..
-            } => Self::NotExcited {
-                found,
-                needed,
-                samples,
-                searched: Some(range),
-            },
-            other => other,
+    pub(super) fn among(mut self, range: [f64; 2]) -> Self {
+        if let Self::NotExcited { searched, .. } = &mut self {
+            *searched = Some(range);
         }
+        self
     }
 }
 

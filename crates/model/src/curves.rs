@@ -7,7 +7,7 @@ mod sentence;
 mod shape;
 
 pub use estimate::Estimate;
-pub use nearest::{Nearest, Sum, nearest, nearest_sums};
+pub use nearest::{NamedLaws, Nearest, Sum};
 pub use shape::{Growth, Shape, Trend};
 
 use crate::effects::{Effect, Motion, ParameterRole, Slot, curve, slip_distances};

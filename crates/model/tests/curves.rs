@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 use quell_model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide, State};
-use quell_model::curves::{Curve, Nearest, Trend, nearest, nearest_sums};
+use quell_model::curves::{Curve, NamedLaws, Nearest, Trend};
 use quell_model::effects::{
     Catalogue, EFFECTS, Effect, KNOTS, LEARNED, Law, Memory, Motion, Place, Scales, Slot, Units,
     curve,
@@ -315,7 +315,9 @@ fn the_energy_of_a_loop_is_that_of_its_elements() {
 }
 
 fn near(curve: &Curve, place: Place) -> Vec<Nearest> {
-    nearest(curve, place, &still(), &scales(), Catalogue::default())
+    let (at, scales) = (still(), scales());
+    let laws = NamedLaws::of(curve, place, &at, &scales, Catalogue::default());
+    laws.unwrap().nearest()
 }
 
 /// Stribeck friction beside a constant force looks like no single law: the constant is a part of friction that differs between
@@ -332,13 +334,9 @@ fn a_curve_that_is_the_sum_of_two_named_laws_is_that_sum() {
         x.signum() * made.iter().map(value).sum::<f64>()
     };
     let curve = learned("learned_friction", (-0.5, 0.5), 2e-4, f);
-    let sums = nearest_sums(
-        &curve,
-        Place::Drive,
-        &still(),
-        &scales(),
-        Catalogue::default(),
-    );
+    let (at, scales) = (still(), scales());
+    let laws = NamedLaws::of(&curve, Place::Drive, &at, &scales, Catalogue::default());
+    let sums = laws.unwrap().nearest_sums();
     let found = sums.iter().take(2).find(|sum| {
         made.iter()
             .all(|(law, _)| sum.iter().any(|own| own.0 == *law))

@@ -67,13 +67,13 @@ fn doubt(case: &Case, finding: &Finding) -> Option<String> {
     }
 }
 
-/// The candidates, each set of effects once, by its best fit. Fits of the same effects from other starting values are lesser
-/// optima, and no other explanation; `diagnosis.json` has them.
+/// The candidates, those that read alike once, by the best fit: a lesser one of the same effects at the same place is no other
+/// explanation. `diagnosis.json` has all.
 fn distinct<'a>(case: &Case<'a>) -> Vec<&'a Candidate> {
     let mut known = BTreeSet::new();
     let candidates = case.diagnosis.candidates.iter();
     candidates
-        .filter(|one| known.insert(one.effect.as_str()))
+        .filter(|one| known.insert((one.effect.as_str(), one.place.as_str())))
         .collect()
 }
 

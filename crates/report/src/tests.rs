@@ -55,13 +55,14 @@ fn a_learned_law_is_told_as_a_curve() {
     let finding = finding("[]");
     let (page, words) = with(&finding, |case| {
         let page = page_of(case, "model.toml", &[]).render();
-        (page, text(case, &[]))
+        // A page keeps a number and its percent sign on one line.
+        (page.replace('\u{a0}', " "), text(case, &[]))
     });
     for told in [&page, &words] {
         for words in [
             "The learned spring is odd.",
             "It is like cubic stiffness",
-            "stays inside its 95",
+            "stays inside its 95 % band",
             "deformation is \u{2212}2 to 2 mrad; nothing is claimed outside of that",
             "11 urad rms, 1.10 times the noise",
         ] {
@@ -175,6 +176,18 @@ fn a_lesser_fit_of_the_same_effects_is_no_second_explanation() {
     });
     assert_eq!(page.matches("<tr class=\"marked\">").count(), 1);
     assert!(!page.contains("\u{2212}30.4"));
+}
+
+#[test]
+fn a_law_at_another_place_is_another_explanation() {
+    let page = with(&finding("[]"), |case| {
+        let mut diagnosis = case.diagnosis.clone();
+        let mut other = diagnosis.candidates[0].clone();
+        other.place = "elsewhere".into();
+        diagnosis.candidates.push(other);
+        page_of(&Case::new(&diagnosis, case.traces), "model.toml", &[]).render()
+    });
+    assert!(page.contains("elsewhere"));
 }
 
 #[test]

@@ -33,7 +33,7 @@ impl<const N: usize> Blocks<N> {
         let all = self.all();
         let without = |block| Some(all.and(block, -1.0).eliminated()?.solved()?[0]);
         let left_out: Option<Vec<f64>> = self.0.iter().map(without).collect();
-        Some((self.sums()?, left_out?))
+        Some((all.eliminated()?, left_out?))
     }
 }
 
@@ -43,7 +43,7 @@ pub struct Sums<const N: usize> {
     pub normal: SMatrix<f64, N, N>,
     pub right: SVector<f64, N>,
     square: f64,
-    count: usize,
+    count: f64,
 }
 
 impl<const N: usize> Default for Sums<N> {
@@ -52,7 +52,7 @@ impl<const N: usize> Default for Sums<N> {
             normal: SMatrix::zeros(),
             right: SVector::zeros(),
             square: 0.0,
-            count: 0,
+            count: 0.0,
         }
     }
 }
@@ -62,20 +62,15 @@ impl<const N: usize> Sums<N> {
         self.normal += row * row.transpose();
         self.right += row * value;
         self.square += value * value;
-        self.count += 1;
+        self.count += 1.0;
     }
 
     fn and(&self, other: &Self, sign: f64) -> Self {
-        let count = if sign > 0.0 {
-            self.count + other.count
-        } else {
-            self.count - other.count
-        };
         Self {
             normal: self.normal + other.normal * sign,
             right: self.right + other.right * sign,
             square: self.square + sign * other.square,
-            count,
+            count: self.count + sign * other.count,
         }
     }
 
@@ -110,12 +105,11 @@ impl Sums<3> {
     /// Variance of the radial coordinate, in units of the lever arm.
     pub fn variance(&self) -> Option<f64> {
         let left = self.square - self.right.dot(&self.solved()?);
-        Some((left / (self.count as f64 - 3.0)).max(f64::MIN_POSITIVE))
+        Some((left / (self.count - 3.0)).max(f64::MIN_POSITIVE))
     }
 
     /// Bayesian information criterion, with so many unknowns more.
     pub fn criterion(&self, more: usize) -> Option<f64> {
-        let count = self.count as f64;
-        Some(count * self.variance()?.ln() + more as f64 * count.ln())
+        Some(self.count * self.variance()?.ln() + more as f64 * self.count.ln())
     }
 }

@@ -36,71 +36,73 @@ const CHANGE: f64 = 1e-5;
 /// Least standard deviation of an ordinate, as a share of the largest ordinate.
 const ROUNDING: f64 = 1e-9;
 
-/// The named laws of a catalogue in the slot of a learned curve at a place, fitted to its ordinates with their
-/// covariance; the nearest first. `at` is the motion for [`curve`].
-pub fn nearest(
-    learned: &Curve,
+/// The named laws of a catalogue that can stand for a learned curve at a place, to be fitted to its ordinates with their
+/// covariance.
+pub struct NamedLaws<'a> {
+    learned: &'a Curve,
+    scales: &'a Scales,
     place: Place,
-    at: &Motion,
-    scales: &Scales,
     catalogue: Catalogue,
-) -> Vec<Nearest> {
-    let Some(target) = Target::new(learned, at) else {
-        return Vec::new();
-    };
-    let named = named(learned, place, catalogue);
-    let mut found: Vec<Nearest> = named
-        .filter_map(|effect| target.nearest(effect, learned, scales))
-        .collect();
-    found.sort_by(|a, b| a.chi_squared.total_cmp(&b.chi_squared));
-    found
+    target: Target<'a>,
 }
 
-/// The sums of two named laws that can stand for a learned curve at a place, the nearest first: of those in its slot, and of
-/// those as which one of them acts.
-pub fn nearest_sums(
-    learned: &Curve,
-    place: Place,
-    at: &Motion,
-    scales: &Scales,
-    catalogue: Catalogue,
-) -> Vec<Sum> {
-    let Some(target) = Target::new(learned, at) else {
-        return Vec::new();
-    };
-    let mut laws: Vec<&'static Effect> = named(learned, place, catalogue).collect();
-    for whole in laws.clone() {
-        let parts = whole.parts(&whole.neutral()).into_iter().flatten();
-        let parts = parts.map(|part| part.0).filter(|part| {
-            part.places.contains(&place) && catalogue.0.contains(part) && !laws.contains(part)
-        });
-        let parts: Vec<_> = parts.collect();
-        laws.extend(parts);
-    }
-    let laws = &laws;
-    let pairs = (0..laws.len()).flat_map(|k| laws[..k].iter().map(move |one| [*one, laws[k]]));
-    let mut found: Vec<(f64, Sum)> = pairs
-        .filter_map(|[one, other]| {
-            let (chi_squared, mut values) = target.fit(&[one, other], scales)?;
-            let others = values.split_off(one.parameters.len());
-            Some((chi_squared, [(one, values), (other, others)]))
+impl<'a> NamedLaws<'a> {
+    /// For a curve; `at` is the motion for [`curve`]. `None` where its ordinates have no covariance.
+    pub fn of(
+        learned: &'a Curve,
+        place: Place,
+        at: &'a Motion,
+        scales: &'a Scales,
+        catalogue: Catalogue,
+    ) -> Option<Self> {
+        Some(Self {
+            learned,
+            scales,
+            place,
+            catalogue,
+            target: Target::new(learned, at)?,
         })
-        .collect();
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    found.into_iter().map(|own| own.1).collect()
-}
+    }
 
-/// The named laws in the slot of a curve at a place.
-fn named(
-    learned: &Curve,
-    place: Place,
-    catalogue: Catalogue,
-) -> impl Iterator<Item = &'static Effect> {
-    let slot = learned.slot;
-    let is_named = move |effect: &&Effect| {
-        !effect.is_learned() && effect.slot() == Some(slot) && effect.places.contains(&place)
-    };
-    catalogue.0.iter().copied().filter(is_named)
+    /// The laws in the slot of the curve; the nearest first.
+    pub fn nearest(&self) -> Vec<Nearest> {
+        let fit = |effect| self.target.nearest(effect, self.learned, self.scales);
+        let mut found: Vec<Nearest> = self.in_slot().filter_map(fit).collect();
+        found.sort_by(|a, b| a.chi_squared.total_cmp(&b.chi_squared));
+        found
+    }
+
+    /// The sums of two laws: of those in the slot, and of those as which one of them acts; the nearest first.
+    pub fn nearest_sums(&self) -> Vec<Sum> {
+        let mut laws: Vec<&'static Effect> = self.in_slot().collect();
+        for whole in laws.clone() {
+            let parts = whole.parts(&whole.neutral()).into_iter().flatten();
+            let parts = parts.map(|part| part.0);
+            let known = |part: &&Effect| self.catalogue.0.contains(part) && !laws.contains(part);
+            let parts = parts.filter(|part| part.places.contains(&self.place) && known(part));
+            let parts: Vec<_> = parts.collect();
+            laws.extend(parts);
+        }
+        let laws = &laws;
+        let pairs = (0..laws.len()).flat_map(|k| laws[..k].iter().map(move |one| [*one, laws[k]]));
+        let mut found: Vec<(f64, Sum)> = pairs
+            .filter_map(|[one, other]| {
+                let (chi_squared, mut values) = self.target.fit(&[one, other], self.scales)?;
+                let others = values.split_off(one.parameters.len());
+                Some((chi_squared, [(one, values), (other, others)]))
+            })
+            .collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.into_iter().map(|own| own.1).collect()
+    }
+
+    /// The laws in the slot of the curve.
+    fn in_slot(&self) -> impl Iterator<Item = &'static Effect> {
+        let slot = Some(self.learned.slot);
+        let all = self.catalogue.0.iter().copied();
+        let named = all.filter(move |effect| !effect.is_learned() && effect.slot() == slot);
+        named.filter(|effect| effect.places.contains(&self.place))
+    }
 }
 
 /// The target of a fit.

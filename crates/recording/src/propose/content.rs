@@ -197,15 +197,19 @@ fn stand_ins(
     table: &Table,
     layout: &Layout,
 ) -> Result<BTreeSet<String>, RecordingError> {
+    let found: Vec<_> = columns
+        .iter()
+        .map(|own| stand_in::of(&own.numbers))
+        .collect();
     // A cell that is missing is so in all columns: none may have it for a value.
     let is_value = |mark: f64| {
-        let others = columns
-            .iter()
-            .filter(|own| stand_in::of(&own.numbers) != Some(mark));
-        others.flat_map(|own| &own.numbers).any(|own| *own == mark)
+        let others = columns.iter().zip(&found);
+        let others = others.filter(|(_, own)| **own != Some(mark));
+        let mut values = others.flat_map(|(own, _)| &own.numbers);
+        values.any(|own| *own == mark)
     };
-    let mark = |own: &Column| stand_in::of(&own.numbers).filter(|mark| !is_value(*mark));
-    let marks: Vec<_> = columns.iter().map(mark).collect();
+    let marks = found.iter().map(|own| own.filter(|mark| !is_value(*mark)));
+    let marks: Vec<Option<f64>> = marks.collect();
     let mut cells = BTreeSet::new();
     if marks.iter().all(Option::is_none) {
         return Ok(cells);

@@ -5,6 +5,7 @@ use super::super::unit::{Dimension, Unit};
 use super::Guess;
 use super::columns::{Channel, Channels};
 use super::content::{Column, Content};
+use crate::range;
 
 /// Ratio of link to motor side from which on the two are no sides of one joint, see `StaticRatio` of quell-signal.
 const FAR: f64 = 2.0;
@@ -82,11 +83,11 @@ fn slope(over: &Column, of: &Column) -> f64 {
     let count = pairs().count() as f64;
     if count == 0.0 {
         // Each row has the one or the other: how far they go tells it.
-        let range = |column: &Column| {
-            let values = || column.numbers.iter().copied().filter(|own| own.is_finite());
-            values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+        let gone = |column: &Column| {
+            let values = column.numbers.iter().copied().filter(|own| own.is_finite());
+            range(&values.collect::<Vec<_>>())
         };
-        return range(of) / range(over);
+        return gone(of) / gone(over);
     }
     let (x, y) = pairs().fold((0.0, 0.0), |sum, (x, y)| {
         (sum.0 + x / count, sum.1 + y / count)
