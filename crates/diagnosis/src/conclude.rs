@@ -103,11 +103,10 @@ pub fn conclude(
         .iter()
         .fold(0.0, |most: f64, y| most.max(y.abs()));
     diagnosis.summary = summary(
+        (search, found),
         &diagnosis,
         diagnosis.fit.shown(motion * output.scale),
         scale.as_ref(),
-        search.judge.data.judged_by,
-        search.problem.catalogue,
     );
     if found.is_unfinished {
         diagnosis.end_early();

@@ -2,21 +2,21 @@
 
 use super::document::{Diagnosis, Finding, Quality, Verdict};
 use super::figure::figure;
-use super::split::HeldOut;
-use super::thresholds::FLOOR;
+use super::found::Found;
+use super::search::Search;
 use super::tracker_scale::TrackerScale;
 use quell_model::effects::Catalogue;
 use quell_recording::Preferred;
 
 /// The verdict in one sentence; residuals are in the unit `shown`.
 pub fn summary(
+    (search, found): (&Search, &Found),
     diagnosis: &Diagnosis,
     shown: Preferred,
     scale: Option<&TrackerScale>,
-    judged_by: HeldOut,
-    catalogue: Catalogue,
 ) -> String {
-    let held_out = judged_by.words();
+    let catalogue = search.problem.catalogue;
+    let held_out = search.judge.data.judged_by.words();
     let (before, after) = (&diagnosis.fit.before, &diagnosis.fit.after);
     let rms = |quality: &Quality| figure(quality.held_out_rms * shown.factor, "");
     let change = format!(
@@ -40,7 +40,7 @@ pub fn summary(
                 times(before.held_out_over_noise),
                 held_out.trim_end_matches(',')
             );
-            match before.held_out_over_noise.powi(2) <= FLOOR {
+            match search.leaves_noise(&found.baseline) {
                 true => format!(
                     "Nothing is missing: with its parameters refitted the model explains the recording down to \
                      the noise ({left})."

@@ -6,13 +6,11 @@
 use super::document::{Diagnosis, Finding, FittedParameter, NextMove, Verdict};
 use super::search::Search;
 use quell_model::effects::{Effect, Place};
-use quell_model::{Experiment, Model};
+use quell_model::{Experiment, Model, Radius};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-/// Least error of the radius, in standard deviations. The jackknife's estimate has 19 degrees of freedom:
-/// Student's t exceeds 5 once in ten thousand recordings.
-const OFF: f64 = 5.0;
-/// 97.5 % of Student's t with these degrees of freedom.
-const HALF_WIDTH: f64 = 2.093;
+/// Chance of an error of the radius in a recording without one: once in ten thousand.
+const CHANCE: f64 = 1e-4;
 
 /// Key of the believed radius.
 const LEVER_ARM: &str = "lever_arm_m";
@@ -117,23 +115,22 @@ impl TrackerScale {
             .find(|(_, key)| key.name == LEVER_ARM)?;
         let believed = &model.values[index];
         let arm = believed.value;
-        let (mut weight, mut sum) = (0.0, 0.0);
         let outputs = experiments
             .iter()
             .flat_map(|experiment| &experiment.outputs);
-        for radius in outputs.filter_map(|output| output.radius) {
-            let own = 1.0 / radius.std.max(f64::MIN_POSITIVE).powi(2);
-            (weight, sum) = (weight + own, sum + own * radius.seen);
-        }
-        let (seen, std) = (sum / weight, weight.powf(-0.5));
+        let Radius { seen, std, freedom } = pooled(outputs.filter_map(|output| output.radius))?;
+        // The standard deviation of the radius is an estimate, that of the belief is given.
         let doubt = believed.std.unwrap_or(0.0);
-        let off = (seen - arm).abs();
-        // Without an arc there is no radius, and the value is NaN.
-        if off.is_nan() || off <= OFF * std.hypot(doubt) {
+        let (estimated, given) = (StudentsT::new(0.0, 1.0, freedom).ok()?, Normal::standard());
+        let reach = |chance: f64| {
+            let up_to = 1.0 - 0.5 * chance;
+            (estimated.inverse_cdf(up_to) * std).hypot(given.inverse_cdf(up_to) * doubt)
+        };
+        if (seen - arm).abs() <= reach(CHANCE) {
             return None;
         }
         let relative = |radius: f64| radius / arm - 1.0;
-        let half = HALF_WIDTH * std.hypot(doubt);
+        let half = reach(0.05);
         Some(Self {
             effect,
             error: relative(seen),
@@ -145,4 +142,20 @@ impl TrackerScale {
             ),
         })
     }
+}
+
+/// The radius of all recordings, each weighted by its variance.
+fn pooled(each: impl Iterator<Item = Radius>) -> Option<Radius> {
+    let (mut weight, mut sum, mut own_freedom) = (0.0, 0.0, 0.0);
+    for radius in each {
+        let own = radius.std.max(f64::MIN_POSITIVE).powi(-2);
+        (weight, sum) = (weight + own, sum + own * radius.seen);
+        own_freedom += own * own / radius.freedom;
+    }
+    // Without an arc there is no radius.
+    (weight > 0.0).then(|| Radius {
+        seen: sum / weight,
+        std: weight.powf(-0.5),
+        freedom: weight * weight / own_freedom,
+    })
 }

@@ -27,6 +27,10 @@ pub struct Radius {
     pub seen: f64,
     /// Its standard deviation, by a jackknife over blocks of time, which is valid for noise of any colour.
     pub std: f64,
+    /// Degrees of freedom of this standard deviation: `sum(v)^2 / sum(v^2)` of the blocks' shares `v` of the variance in white
+    /// noise (Satterthwaite, Biometrics Bulletin 2 (1946); Bell and McCaffrey, Survey Methodology 28 (2002)). In one move only
+    /// the few blocks on the way tell the radius from the centre.
+    pub freedom: f64,
 }
 
 /// The circle of a tip about its joint: `r = R + c_x cos(angle) + c_y sin(angle) + noise`.
@@ -67,9 +71,11 @@ impl Circle {
             true => drifting(drift.0).told()?,
             false => still.told()?,
         };
+        let (deviation, freedom) = jackknife(&left_out);
         let radius = Radius {
             seen: arm * (1.0 + sums.solved()?[0]),
-            std: arm * jackknife(&left_out),
+            std: arm * deviation,
+            freedom,
         };
         Some(Self { sums, arm, radius })
     }
@@ -114,12 +120,15 @@ impl Circle {
     }
 }
 
-/// The standard deviation of an estimate from its values without each of the blocks.
-fn jackknife(left_out: &[f64]) -> f64 {
+/// The standard deviation of an estimate and its degrees of freedom, from its values without each of the blocks and the
+/// variances that white noise adds to it thereby.
+fn jackknife(left_out: &[[f64; 2]]) -> (f64, f64) {
     let count = left_out.len() as f64;
-    let mean = left_out.iter().sum::<f64>() / count;
-    let scatter: f64 = left_out.iter().map(|one| (one - mean).powi(2)).sum();
-    (scatter * (count - 1.0) / count).sqrt()
+    let mean = left_out.iter().map(|[one, _]| one).sum::<f64>() / count;
+    let scatter: f64 = left_out.iter().map(|[one, _]| (one - mean).powi(2)).sum();
+    let shares = left_out.iter().map(|[_, variance]| variance);
+    let freedom = shares.clone().sum::<f64>().powi(2) / shares.map(|v| v * v).sum::<f64>();
+    ((scatter * (count - 1.0) / count).sqrt(), freedom)
 }
 
 /// The rate at which a drift levels off that gives the least criterion, and that, by golden section between the neighbours of
@@ -152,6 +161,7 @@ mod tests {
     use super::*;
     use rand::{Rng, SeedableRng, rngs::StdRng};
     use rand_distr::StandardNormal;
+    use statrs::distribution::{ContinuousCDF, StudentsT};
 
     const NOISE: f64 = 1e-5;
 
@@ -186,5 +196,28 @@ mod tests {
             let mean = squares.sum::<f64>() / 80.0;
             assert!((0.5..2.0).contains(&mean), "{by:?} at {settling}: {mean}");
         }
+    }
+
+    /// One move between two rests tells the radius by a few blocks alone. Its error over its deviation is then Student's t of
+    /// few degrees of freedom: one of a thousand recordings is beyond the quantile of one in a thousand.
+    #[test]
+    fn the_radius_of_one_move_is_known_to_few_degrees_of_freedom() {
+        let mut random = StdRng::seed_from_u64(11);
+        let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * 3e-3).collect();
+        let angle = time.iter().map(|t| 0.5 * ((t - 1.0) / 0.7).clamp(0.0, 1.0));
+        let angle: Vec<f64> = angle.collect();
+        let beyond = (0..3000).filter(|_| {
+            let radius = angle.iter().map(|angle| {
+                let noise: f64 = random.sample(StandardNormal);
+                1.0 + 2e-4 * angle.cos() - 3e-4 * angle.sin() + NOISE * noise
+            });
+            let radius: Vec<f64> = radius.collect();
+            let found = Circle::new(&time, &angle, &radius, 1.0).unwrap().radius;
+            assert!((2.0..10.0).contains(&found.freedom), "{found:?}");
+            let t = StudentsT::new(0.0, 1.0, found.freedom).unwrap();
+            (found.seen - 1.0).abs() > t.inverse_cdf(0.9995) * found.std
+        });
+        // Three deviations beyond a count of three. It is 19 with as many degrees of freedom as for a motion that lasts.
+        assert!(beyond.count() <= 8);
     }
 }

@@ -2,8 +2,7 @@
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
-/// Blocks of time for the radius' standard deviation: with 19 degrees of freedom its own uncertainty hardly
-/// matters.
+/// Blocks of time for the radius' standard deviation.
 const BLOCKS: usize = 20;
 
 /// Normal equations of a circle in blocks of time, its radius in units of the lever arm.
@@ -28,12 +27,19 @@ impl<const N: usize> Blocks<N> {
         self.all().eliminated()
     }
 
-    /// The same, and `R / arm - 1` without each of the blocks.
-    pub fn told(&self) -> Option<(Sums<3>, Vec<f64>)> {
+    /// The same, and `R / arm - 1` without each of the blocks with the variance that white noise of unit variance adds to it
+    /// thereby.
+    pub fn told(&self) -> Option<(Sums<3>, Vec<[f64; 2]>)> {
         let all = self.all();
-        let without = |block| Some(all.and(block, -1.0).eliminated()?.solved()?[0]);
-        let left_out: Option<Vec<f64>> = self.0.iter().map(without).collect();
-        Some((all.eliminated()?, left_out?))
+        let whole = all.eliminated()?;
+        let variance = |own: &Sums<3>| Some(own.normal.try_inverse()?[(0, 0)]);
+        let known = variance(&whole)?;
+        let without = |block| {
+            let left = all.and(block, -1.0).eliminated()?;
+            Some([left.solved()?[0], variance(&left)? - known])
+        };
+        let left_out: Option<Vec<[f64; 2]>> = self.0.iter().map(without).collect();
+        Some((whole, left_out?))
     }
 }
 
