@@ -57,7 +57,7 @@ pub fn problem<'a>(
         whitening: noise.clone(),
         sensor_noise: noise.clone(),
         noise,
-        input_rounding: Arc::default(),
+        rounding_at_rest: Arc::default(),
         free,
         beliefs,
         bounds,

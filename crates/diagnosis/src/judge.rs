@@ -6,7 +6,6 @@ use super::fit::Fitted;
 use super::point::Point;
 use super::problem::{Problem, Responses, Rows};
 use super::projector::Projector;
-use super::rounding::rounding;
 use super::split;
 use super::start::ringing;
 use nalgebra::DVector;
@@ -28,12 +27,10 @@ pub struct Judge<'a> {
     pub train_rows: usize,
     /// Number of held-out rows.
     pub held_out_rows: usize,
-    /// Chi-squared that rounding may add to the held-out rows.
-    pub rounding: f64,
     /// Components of the start that are free in the recordings kept apart; `None` until that is decided.
     starts: Option<Vec<StartComponent>>,
-    /// Responses of the recordings kept apart to the rounding of their inputs.
-    input_rounding_apart: Arc<Vec<Responses>>,
+    /// Responses of the recordings kept apart to rounding at rest.
+    rounding_apart: Arc<Vec<Responses>>,
 }
 
 impl<'a> Judge<'a> {
@@ -49,15 +46,14 @@ impl<'a> Judge<'a> {
             data,
             train_rows: count(&problem.rows),
             held_out_rows: count(&data.held_out) + apart,
-            rounding: rounding(&data.experiments, &data.held_out),
             starts: None,
-            input_rounding_apart: Arc::default(),
+            rounding_apart: Arc::default(),
         };
         if !data.apart.is_empty() {
             let (mut apart, still) = judge.apart(problem, refitted);
             let projector = Projector::new(&apart);
             let still = ringing(&mut apart, still, &projector).point;
-            judge.input_rounding_apart = Arc::new(apart.responses_to_rounding(&still));
+            judge.rounding_apart = Arc::new(apart.responses_to_rounding(&still));
             judge.starts = Some(apart.departures);
         }
         judge
@@ -86,7 +82,7 @@ impl<'a> Judge<'a> {
         let rows = self.data.apart.iter().map(split::whole).collect();
         let mut problem = baseline::problem(self.model, &self.data.apart, rows);
         problem.freeze();
-        problem.input_rounding = self.input_rounding_apart.clone();
+        problem.rounding_at_rest = self.rounding_apart.clone();
         if let Some(starts) = &self.starts {
             problem.departures.clone_from(starts);
         }

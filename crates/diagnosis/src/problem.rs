@@ -14,8 +14,8 @@ use std::sync::atomic::AtomicU64;
 /// Fitted rows of one output, as ranges of samples.
 pub type Rows = Vec<Range<usize>>;
 
-/// Responses of an experiment's outputs to errors of its input: for each error of one standard deviation one
-/// series for each output.
+/// Changes of an experiment's residuals by errors of its sensors: for each error of one standard deviation one series for each
+/// output.
 pub type Responses = Vec<Vec<Vec<f64>>>;
 
 /// The data, the unknowns and the noise of a fit.
@@ -33,8 +33,8 @@ pub struct Problem<'a> {
     pub noise: Vec<Vec<Whitening>>,
     /// The same as used for the weights: outputs whose residuals are all far above the noise weigh alike.
     pub whitening: Vec<Vec<Whitening>>,
-    /// Responses of each experiment to the rounding of its input; empty where that is not known.
-    pub input_rounding: Arc<Vec<Responses>>,
+    /// Responses of each experiment to rounding at rest, of its input and of its outputs.
+    pub rounding_at_rest: Arc<Vec<Responses>>,
     /// Keys of the model that are free.
     pub free: Vec<usize>,
     /// Beliefs on the keys: value, standard deviation (of the logarithm where `logarithmic`).

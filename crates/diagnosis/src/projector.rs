@@ -2,14 +2,14 @@
 //!
 //! Source: Golub and Pereyra, Inverse Problems 19 (2003) on separable least squares.
 
-use super::input_rounding::RoundingCovariance;
 use super::problem::Problem;
+use super::rounding_at_rest::RoundingCovariance;
 use nalgebra::{DMatrix, DVector};
 
 /// Projects the linear nuisances of every experiment out of residuals.
 pub struct Projector {
-    /// Covariance by the rounding of the input, for each experiment.
-    input_rounding: Vec<RoundingCovariance>,
+    /// Covariance by rounding at rest, for each experiment.
+    rounding: Vec<RoundingCovariance>,
     /// Orthonormal basis of the columns, for each experiment.
     bases: Vec<DMatrix<f64>>,
 }
@@ -19,17 +19,17 @@ impl Projector {
     pub fn new(problem: &Problem) -> Self {
         let all = || 0..problem.experiments.len();
         let own = |e: usize| RoundingCovariance::new(problem, e, &problem.rows[e]);
-        let input_rounding: Vec<RoundingCovariance> = all().map(own).collect();
+        let rounding: Vec<RoundingCovariance> = all().map(own).collect();
         let basis = |e: usize| {
             let mut columns = problem.linear(e);
             for mut column in columns.column_iter_mut() {
-                input_rounding[e].whiten(column.as_mut_slice());
+                rounding[e].whiten(column.as_mut_slice());
             }
             orthonormal(columns)
         };
         Self {
             bases: all().map(basis).collect(),
-            input_rounding,
+            rounding,
         }
     }
 
@@ -37,7 +37,7 @@ impl Projector {
     pub fn remove(&self, experiment: usize, rows: &DVector<f64>) -> DVector<f64> {
         let basis = &self.bases[experiment];
         let mut rows = rows.clone();
-        self.input_rounding[experiment].whiten(rows.as_mut_slice());
+        self.rounding[experiment].whiten(rows.as_mut_slice());
         if basis.ncols() > 0 {
             let shares = basis.tr_mul(&rows);
             rows.gemv(-1.0, basis, &shares, 1.0);

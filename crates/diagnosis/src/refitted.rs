@@ -22,7 +22,7 @@ pub fn baseline(model: &Model, problem: &mut Problem) -> (Fitted, Projector) {
     first = ringing(problem, first, &projector);
     // Vibration at the start is fitted first. It would otherwise be taken for noise.
     measure_noise(problem, &first.point);
-    problem.input_rounding = Arc::new(problem.responses_to_rounding(&first.point));
+    problem.rounding_at_rest = Arc::new(problem.responses_to_rounding(&first.point));
     projector = Projector::new(problem);
     (problem.fit(&first.point, &projector, LONG), projector)
 }

@@ -1,10 +1,10 @@
 //! Fitted and held-out rows of a problem, and their derivatives.
 
-use super::input_rounding::RoundingCovariance;
 use super::judge::Judge;
 use super::point::{Global, Point};
 use super::problem::Problem;
 use super::projector::{Projector, orthonormal};
+use super::rounding_at_rest::RoundingCovariance;
 use nalgebra::{DMatrix, DVector};
 
 /// Step of a derivative, relative to the reach of the unknown.
@@ -20,7 +20,7 @@ pub struct Views<'a> {
     projector: &'a Projector,
     apart: Option<Apart<'a>>,
     /// Whitening of the held-out rows of an experiment.
-    input_rounding: Vec<RoundingCovariance>,
+    rounding: Vec<RoundingCovariance>,
 }
 
 /// Recordings kept apart, in the problem of the judged explanation.
@@ -54,7 +54,7 @@ impl<'a> Views<'a> {
         let covariance = |e: usize| RoundingCovariance::new(problem, e, &judge.data.held_out[e]);
         Self {
             apart: (!judge.data.apart.is_empty()).then(apart),
-            input_rounding: (0..problem.experiments.len()).map(covariance).collect(),
+            rounding: (0..problem.experiments.len()).map(covariance).collect(),
             judge,
             problem,
             projector,
@@ -72,7 +72,7 @@ impl<'a> Views<'a> {
             if self.apart.is_none() {
                 let first = held.len();
                 self.judge.push_held_out(self.problem, e, raw, &mut held);
-                self.input_rounding[e].whiten(&mut held[first..]);
+                self.rounding[e].whiten(&mut held[first..]);
             }
         }
         if let Some(apart) = &self.apart {

@@ -129,7 +129,8 @@ fn tip(
     }
     let turn = ((motor.value(experiment.input_time[0]) - angle[0]) / TAU).round() * TAU;
     angle.iter_mut().for_each(|a| *a += turn);
-    let circle = Circle::new(&channel.time, &angle, &radius, arm);
+    let step = coordinate_step(&channel.columns);
+    let circle = Circle::new(&channel.time, [&angle, &radius], arm, step.unwrap_or(0.0));
     Ok(Output {
         role: Role::LinkPosition,
         channel: Role::TipPosition,
@@ -145,7 +146,7 @@ fn tip(
         own_clock: true,
         clock_offset: registration.clock.offset,
         noise_witness: Some(registration.normal_rms / arm),
-        coordinate_step: coordinate_step(&channel.columns).map(|step| step / arm),
+        coordinate_step: step.map(|step| step / arm),
     })
 }
 

@@ -116,7 +116,7 @@ fn with<'b>(problem: &Problem<'b>, experiments: &'b [Experiment]) -> Problem<'b>
         experiments,
         rows: experiments.iter().map(split::whole).collect(),
         // Predicted inputs are not rounded.
-        input_rounding: Arc::default(),
+        rounding_at_rest: Arc::default(),
         ..problem.clone()
     }
 }

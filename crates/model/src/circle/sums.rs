@@ -9,10 +9,11 @@ const BLOCKS: usize = 20;
 pub struct Blocks<const N: usize>(Vec<Sums<N>>);
 
 impl<const N: usize> Blocks<N> {
-    pub fn new(row: impl Fn(usize) -> [f64; N], values: &[f64]) -> Self {
+    /// Of rows and values, each of which is worth so many independent ones.
+    pub fn new(rows: &[[f64; N]], values: &[[f64; 1]], worth: &[f64]) -> Self {
         let mut blocks = vec![Sums::default(); BLOCKS];
-        for (k, value) in values.iter().enumerate() {
-            blocks[k * BLOCKS / values.len()].add(row(k).into(), *value);
+        for (k, (row, [value])) in rows.iter().zip(values).enumerate() {
+            blocks[k * BLOCKS / values.len()].add((*row).into(), *value, worth[k]);
         }
         Self(blocks)
     }
@@ -64,11 +65,11 @@ impl<const N: usize> Default for Sums<N> {
 }
 
 impl<const N: usize> Sums<N> {
-    fn add(&mut self, row: SVector<f64, N>, value: f64) {
+    fn add(&mut self, row: SVector<f64, N>, value: f64, worth: f64) {
         self.normal += row * row.transpose();
         self.right += row * value;
         self.square += value * value;
-        self.count += 1.0;
+        self.count += worth;
     }
 
     fn and(&self, other: &Self, sign: f64) -> Self {

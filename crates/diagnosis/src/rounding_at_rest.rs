@@ -1,9 +1,9 @@
-//! Rounding of the recorded input at rest, as a part of the noise.
+//! Rounding of the recorded input and of the sensors at rest, as a part of the noise.
 //!
-//! While an encoder rests, its error is constant, uniformly distributed over a step `q`. The simulation carries
-//! it into every sample of that rest and into the ringing at both ends of it. Let the columns of `B` be the
-//! responses of the whitened rows to errors of one standard deviation, `q / sqrt 12`, one column for each rest,
-//! and `B = U D V'`. The covariance of the rows is then `I + B B'`, and
+//! While a sensor rests, the mean error of its samples is one number ([`Rounding`]). A sensor of the output adds it to the
+//! samples of that rest. An encoder that is the input has no noise; the simulation carries its error into every sample of the
+//! rest and into the ringing at both ends of it. Let the columns of `B` be the responses of the whitened rows to errors of one standard
+//! deviation, one column for each rest, and `B = U D V'`. The covariance of the rows is then `I + B B'`, and
 //!
 //! ```text
 //! (I + B B')^-1/2 = I - U (1 - (1 + D^2)^-1/2) U'
@@ -11,29 +11,38 @@
 //!
 //! whitens them. In motion the rounding is noise (`input_noise.rs`).
 //!
-//! Source: Widrow and Kollar, Quantization Noise (2008), chapter 4, for the error; Aitken, Proc. Royal Society of
-//! Edinburgh 55 (1935), for least squares with a covariance.
+//! Source: Aitken, Proc. Royal Society of Edinburgh 55 (1935), for least squares with a covariance.
 
 use super::input_error::levels;
+use super::noise::rounding;
 use super::point::Point;
 use super::problem::{Problem, Responses, Rows};
 use nalgebra::{DMatrix, DVector};
-use quell_model::{Experiment, InputError};
+use quell_model::InputError;
+use quell_signal::Rounding;
 use std::ops::Range;
 
 /// Variance of a direction, relative to the noise, below which it is ignored: chi-squared is then too large by
 /// as much.
 const NONE: f64 = 1e-3;
+/// Most rests of a sensor, the longest ones: as many columns as a derivative by all unknowns has. Shorter ones of so many are
+/// stretches of a slow motion.
+const MOST: usize = 64;
 
 impl Problem<'_> {
-    /// Responses of every experiment to the rounding of its input, about a point.
+    /// Responses of every experiment to its rounding at rest, about a point.
     pub fn responses_to_rounding(&self, point: &Point) -> Vec<Responses> {
-        let all = self.experiments.iter().enumerate();
-        all.map(|(e, experiment)| self.responses_of(point, e, experiment))
-            .collect()
+        let all = 0..self.experiments.len();
+        all.map(|e| {
+            let mut responses = self.responses_to_input(point, e);
+            responses.extend(self.errors_of_outputs(e));
+            responses
+        })
+        .collect()
     }
 
-    fn responses_of(&self, point: &Point, e: usize, experiment: &Experiment) -> Responses {
+    fn responses_to_input(&self, point: &Point, e: usize) -> Responses {
+        let experiment = &self.experiments[e];
         let InputError::Rounding(step) = InputError::of(experiment) else {
             return Vec::new();
         };
@@ -42,9 +51,7 @@ impl Problem<'_> {
             return Vec::new();
         }
         let (time, values) = (&experiment.input_time, &experiment.input_values);
-        // The mode does not respond within less than a period.
-        let rests = levels(values, step).into_iter();
-        let rests = rests.filter(|own| time[own.end - 1] - time[own.start] >= self.scales.period());
+        let rests = self.longest(time, levels(values, step)).into_iter();
         let here = self.run(point, e).residuals;
         let response = |rest: Range<usize>| {
             let mut other = values.clone();
@@ -55,9 +62,40 @@ impl Problem<'_> {
         };
         rests.map(response).collect()
     }
+
+    /// Errors of every output in each of its rests; none where its noise averages the rounding out.
+    fn errors_of_outputs(&self, e: usize) -> Responses {
+        let outputs = &self.experiments[e].outputs;
+        let zeros: Vec<Vec<f64>> = outputs.iter().map(|o| vec![0.0; o.values.len()]).collect();
+        let mut errors = Vec::new();
+        for (index, output) in outputs.iter().enumerate() {
+            let level = self.sensor_noise[e][index].deviation;
+            let Some(sensor) = Rounding::of(rounding(output) * 12f64.sqrt(), level) else {
+                continue;
+            };
+            let error = sensor.mean_error();
+            if error * error * output.values.len() as f64 <= NONE * level * level {
+                continue;
+            }
+            for rest in self.longest(&output.time, sensor.rests(&output.values)) {
+                let mut series = zeros.clone();
+                series[index][rest].fill(error);
+                errors.push(series);
+            }
+        }
+        errors
+    }
+
+    /// The longest stretches. The mode does not respond within less than a period.
+    fn longest(&self, time: &[f64], mut stretches: Vec<Range<usize>>) -> Vec<Range<usize>> {
+        stretches.retain(|own| time[own.end - 1] - time[own.start] >= self.scales.period());
+        stretches.sort_by_key(|own| std::cmp::Reverse(own.len()));
+        stretches.truncate(MOST);
+        stretches
+    }
 }
 
-/// The part of the covariance of an experiment's rows that comes from the rounding of its input.
+/// The part of the covariance of an experiment's rows that comes from rounding at rest.
 pub struct RoundingCovariance {
     /// `U`.
     directions: DMatrix<f64>,
@@ -68,7 +106,7 @@ pub struct RoundingCovariance {
 impl RoundingCovariance {
     /// The covariance for these rows of an experiment.
     pub fn new(problem: &Problem, e: usize, rows: &[Rows]) -> Self {
-        let responses = problem.input_rounding.get(e).into_iter().flatten();
+        let responses = problem.rounding_at_rest.get(e).into_iter().flatten();
         let column =
             |series: &Vec<Vec<f64>>| DVector::from_vec(problem.weigh_rows(e, series, rows));
         let columns: Vec<DVector<f64>> = responses.map(column).collect();
