@@ -149,6 +149,24 @@ pub enum IdentificationError {
         /// Lowest and highest frequency that were searched, Hz.
         searched: [f64; 2],
     },
+    /// A mode in the rests of the motor side above the frequencies that were searched.
+    #[error(
+        "no mode was found from {:.3} to {:.1} Hz that explains the motion: where the motor side rests, the link rings at {hertz:.1} \
+         Hz, at the end of that range or above. At {rate:.0} samples a second {:.1} Hz looks the same. The motion tells a mode with \
+         five samples in a period: record with {:.0} samples a second or more",
+        .searched[0],
+        .searched[1],
+        rate - hertz,
+        (5.0 * (rate - hertz).max(*hertz)).ceil()
+    )]
+    Above {
+        /// Its frequency, Hz.
+        hertz: f64,
+        /// Lowest and highest frequency that were searched, Hz.
+        searched: [f64; 2],
+        /// Samples a second, Hz.
+        rate: f64,
+    },
     /// The strongest line of the spectrum is no resonance.
     #[error(
         "no mode was found: the peaks of the spectrum do not have the width of a resonance; a turning motor makes such \
@@ -171,6 +189,17 @@ impl IdentificationError {
             *of_servo = is_one;
         }
         self
+    }
+
+    /// Whether it says that no mode stands out among those that were searched.
+    pub(super) fn is_no_mode(&self) -> bool {
+        matches!(
+            self,
+            Self::NotExcited { .. }
+                | Self::OutOfRange { .. }
+                | Self::NoResonance { .. }
+                | Self::Lags { .. }
+        )
     }
 
     /// With the frequencies that were searched, Hz, where no mode was found among them.

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod above;
 mod amplitude;
 mod error;
 mod evidence;
@@ -150,9 +151,24 @@ pub fn identify_until(
             needed: 32,
         });
     }
+    let searched = searched(samples, prior)?;
+    let found = search(samples, prior, (searched, stop));
+    check(stop)?;
+    match prior.belief {
+        Some(_) => found,
+        None => above::unless_above(found, samples, &searched, stop),
+    }
+}
+
+/// The mode among the frequencies that are searched.
+fn search(
+    samples: &[Sample],
+    prior: Prior,
+    (searched, stop): (Searched, Stop),
+) -> Result<Identification, IdentificationError> {
     let part = telling(samples);
     check(stop)?;
-    let (settings, searched) = settings(samples, part, prior)?;
+    let settings = settings(samples, part, (prior, &searched))?;
     let rests = stretches::rests(samples, &settings);
     let looked_at = stretches::evenly(samples, &rests);
     let decays: Vec<FreeDecay> = looked_at
@@ -281,15 +297,37 @@ fn explained_not(samples: &[Sample], fit: &BatchFit) -> f64 {
     left / total.max(f64::MIN_POSITIVE)
 }
 
-/// Settings for a recording: offset free, the whole of it as window, frequencies within an octave of the
-/// belief; and the frequencies among which the mode is looked for.
+fn duration(samples: &[Sample]) -> f64 {
+    samples[samples.len() - 1].time - samples[0].time
+}
+
+/// The frequencies among which the mode is looked for: within an octave of the belief; without one at least two periods in the
+/// searched part, and at least five samples in a period.
+fn searched(samples: &[Sample], prior: Prior) -> Result<Searched, IdentificationError> {
+    let sample_time = duration(samples) / (samples.len() - 1) as f64;
+    let (from, to) = match prior.belief {
+        Some(belief) => Settings::around(belief, sample_time).frequency_range,
+        None => (
+            2.0 * TAU / duration(telling(samples)),
+            TAU / (5.0 * sample_time),
+        ),
+    };
+    match prior.belief.is_none() && from >= to {
+        true => Err(IdentificationError::Still),
+        false => Ok(Searched {
+            from,
+            to,
+            sample_time,
+        }),
+    }
+}
+
+/// Settings for a recording: offset free, and the whole of it as window.
 fn settings(
     samples: &[Sample],
     part: &[Sample],
-    prior: Prior,
-) -> Result<(Settings, Searched), IdentificationError> {
-    let duration = |samples: &[Sample]| samples[samples.len() - 1].time - samples[0].time;
-    let sample_time = duration(samples) / (samples.len() - 1) as f64;
+    (prior, searched): (Prior, &Searched),
+) -> Result<Settings, IdentificationError> {
     let common = |base: Settings| Settings {
         offset_std: Some(f64::INFINITY),
         scale_std: if prior.scale_is_open {
@@ -300,22 +338,12 @@ fn settings(
         window: 2.0 * duration(samples),
         ..base
     };
-    let searched = |(from, to): (f64, f64)| Searched {
-        from,
-        to,
-        sample_time,
-    };
     if let Some(belief) = prior.belief {
-        let settings = common(Settings::around(belief, sample_time));
-        return Ok((settings, searched(settings.frequency_range)));
+        return Ok(common(Settings::around(belief, searched.sample_time)));
     }
-    // At least two periods in the searched part, and at least five samples in a period.
-    let range = (2.0 * TAU / duration(part), TAU / (5.0 * sample_time));
-    if range.0 >= range.1 {
-        return Err(IdentificationError::Still);
-    }
-    let wide = common(Settings::within(range, sample_time));
-    Ok((first_look(samples, part, wide)?, searched(range)))
+    let range = (searched.from, searched.to);
+    let wide = common(Settings::within(range, searched.sample_time));
+    first_look(samples, part, wide)
 }
 
 /// The first mode without a belief, from batch fits over a wide range: of the longest rest and of the

@@ -49,6 +49,7 @@ impl Alone {
         }));
         remarks.extend(found.left_out.iter().map(left_out));
         remarks.extend(found.modes.iter().filter_map(dependence));
+        remarks.extend(self.images());
         remarks.extend(self.axes());
         let slowest = found.modes.first().map(|mode| mode.known.mode.hertz());
         remarks.extend(slowest.and_then(words::slow));
@@ -57,6 +58,30 @@ impl Alone {
 }
 
 impl Alone {
+    /// A sentence on the modes that may be images of faster ones: at `fs` samples a second `f` and `fs - f` look the same, at even
+    /// stamps. Below a fifth of the rate the nearest image is two octaves above, or more.
+    ///
+    /// Source: C. E. Shannon, Communication in the presence of noise, Proc. IRE 37 (1949). The bandwidth of a usual
+    /// accelerometer is half its rate (data sheet of the ADXL345), with a filter that does not end there.
+    fn images(&self) -> Option<String> {
+        let rate = self.vibration.rate;
+        let hertz = self
+            .shaped_for()
+            .into_iter()
+            .map(|known| known.mode.hertz());
+        let fast = hertz.filter(|hertz| *hertz > 0.2 * rate);
+        let one = |hertz: f64| format!("{hertz:.2} Hz may be {:.2} Hz", rate - hertz);
+        let all: Vec<String> = fast.map(one).collect();
+        (!all.is_empty()).then(|| {
+            format!(
+                "At {rate:.0} samples a second a mode above {:.0} Hz looks like one below, where the sensor has no filter against it: \
+                 {}. Record once more at another rate: a mode stays, an image moves.",
+                0.5 * rate,
+                all.join(", ")
+            )
+        })
+    }
+
     /// A sentence on the axes of the modes, where they differ.
     fn axes(&self) -> Option<String> {
         let hertz = self

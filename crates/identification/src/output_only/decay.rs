@@ -156,7 +156,12 @@ fn bent(segments: &[Segment], modes: &[Damped], stop: Stop) -> Option<Fit> {
         });
         fit(segments, &modes, stop)
     };
-    let fits = LAWS.into_iter().filter_map(with);
+    // A frequency of zero or less at the greatest amplitude is none.
+    let vibrates = |fit: &Fit| {
+        let bends = fit.modes.iter().filter_map(|mode| mode.bend.as_ref());
+        bends.into_iter().all(|bend| bend.frequency > -1.0)
+    };
+    let fits = LAWS.into_iter().filter_map(with).filter(vibrates);
     fits.min_by(|a, b| a.minimum.cost.total_cmp(&b.minimum.cost))
 }
 
