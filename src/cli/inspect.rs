@@ -8,7 +8,7 @@ mod topics;
 use super::out::Force;
 use super::{CliError, identify, next, output};
 use crate::page::{columns, digits, fixed, number};
-use crate::recording::health::{Health, health, remarks};
+use crate::recording::health::{ColumnHealth, Health, health, is_rounding, remarks};
 use crate::recording::{
     Channel, MANIFEST, McapFile, Recording, axis_name, is_csv, mcap_and_joint, plain as short,
 };
@@ -31,7 +31,8 @@ Examples:
   quell inspect decay.csv          (writes recording.toml beside it)
   quell inspect run.mcap           (its topics, too; run.mcap#joint_2 takes one of several joints)
 
-Columns of the tables: noise is the standard deviation of white noise, step the quantisation step,
+Columns of the tables: noise is the standard deviation of white noise, or the word rounding where that of the step,
+step / sqrt(12), is greater; step the quantisation step,
 jitter the root mean square of interval minus period. Values are in SI, jitter in microseconds.
 Of a manifest with several joints each is told; arm7#joint_2 takes one.")]
 pub struct Args {
@@ -239,10 +240,19 @@ fn value_rows<'a>(channel: &'a Channel, health: &'a Health) -> impl Iterator<Ite
                 channel.unit.clone(),
                 number(column.minimum),
                 number(column.maximum),
-                figure(column.noise_std),
+                match is_rounded(column) {
+                    true => "rounding".into(),
+                    false => figure(column.noise_std),
+                },
                 figure(column.quantum),
             ]
         })
+}
+
+/// Whether the noise is below what the quantisation step makes, and cannot be told.
+fn is_rounded(column: &ColumnHealth) -> bool {
+    let both = column.noise_std.zip(column.quantum);
+    both.is_some_and(|(noise, step)| is_rounding(noise, step))
 }
 
 fn column_names(channel: &Channel) -> Vec<String> {

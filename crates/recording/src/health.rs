@@ -11,7 +11,7 @@ mod stretches;
 pub use clipped::{Clipped, clipped, clipped_axes};
 pub use clock::{Clock, Gap, clock};
 pub use remarks::{JITTER, at_limit, mixed_rates, remarks};
-pub use resolution::{noise_std, quantum, shows_noise};
+pub use resolution::{is_rounding, noise_std, quantum, shows_noise};
 pub use stretches::{Flat, FlatKind, flats, spikes, wraps};
 
 use super::Channel;

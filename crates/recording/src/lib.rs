@@ -54,6 +54,7 @@ mod syntax;
 mod table;
 mod toml_keys;
 mod unit;
+mod wraps;
 mod write;
 
 pub use carries::{plain, range};
@@ -72,6 +73,7 @@ pub use syntax::{SyntaxError, one_of};
 pub use table::Table;
 pub use toml_keys::toml_line;
 pub use unit::{Dimension, UNITS, Unit};
+pub use wraps::Wrap;
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};

@@ -11,6 +11,7 @@ use super::mcap::McapFile;
 use super::stamp::Origin;
 use super::syntax::SyntaxError;
 use super::table::Table;
+use super::wraps::unwrap;
 use super::{Channel, MANIFEST, Recording, Role, foreign, propose};
 use serde::Deserialize;
 use std::collections::HashMap;
@@ -38,6 +39,7 @@ const KEYS: &[&str] = &[
     "unit",
     "scale",
     "offset",
+    "wrap",
     "delimiter",
     "decimal",
     "comment",
@@ -105,6 +107,9 @@ struct Entry {
     scale: Option<Spanned<f64>>,
     /// Offset, in `unit`; 0 where absent.
     offset: Option<Spanned<f64>>,
+    /// Period of the cells, as 65536: a counter begins again there, and its jumps are taken out. Neighbours must be less than
+    /// half of it apart.
+    wrap: Option<Spanned<f64>>,
 }
 
 /// The files of a manifest, each read once.
@@ -294,6 +299,11 @@ impl Source<'_> {
         if scale == Some(0.0) {
             return Err(self.at(start(&entry.scale), key("scale", "it is 0")));
         }
+        let wrap = self.finite("wrap", &entry.wrap)?;
+        if let Some(period) = wrap.filter(|period| *period <= 0.0) {
+            let problem = key("wrap", format!("{period} is not above 0"));
+            return Err(self.at(start(&entry.wrap), problem));
+        }
         let path = self.file(entry)?;
         let rows = entry.rows.as_ref().or(manifest.rows.as_ref());
         let (mut time, mut columns) = match McapFile::is_named(&path) {
@@ -314,6 +324,9 @@ impl Source<'_> {
         without_missing(&mut time, &mut columns);
         if time.is_empty() {
             return Err(Problem::NoRows.in_file(self.path));
+        }
+        if let Some(period) = wrap {
+            columns.iter_mut().for_each(|own| unwrap(own, period));
         }
         for value in columns.iter_mut().flatten() {
             *value = unit.to_si(*value * scale.unwrap_or(1.0) + offset.unwrap_or(0.0));

@@ -11,10 +11,13 @@ mod pairs;
 mod render;
 mod response;
 mod restarts;
+mod split_stamps;
 mod stand_in;
 mod theta;
+mod tool;
 mod unreadable;
 mod words;
+mod wraps;
 
 pub(super) use joint::distinct;
 

@@ -54,6 +54,25 @@ impl TimeUnit {
         found.map(|line| line.0)
     }
 
+    /// The unit that people mean by a word, as `sec` or `milliseconds`.
+    pub fn from_word(word: &str) -> Option<Self> {
+        let plain = word.trim().to_lowercase();
+        match plain.as_str() {
+            "sec" | "second" | "seconds" => Some(Self::Seconds),
+            "msec" | "millis" | "milliseconds" => Some(Self::Milliseconds),
+            "usec" | "\u{b5}s" | "\u{3bc}s" | "micros" | "microseconds" => Some(Self::Microseconds),
+            "nsec" | "nanos" | "nanoseconds" => Some(Self::Nanoseconds),
+            "minutes" => Some(Self::Minutes),
+            other => Self::from_name(other).filter(|unit| !unit.is_text()),
+        }
+    }
+
+    /// The number and the unit of a cell such as `0.004 sec`, as of durations in MATLAB.
+    pub(super) fn in_cell(cell: &str) -> Option<(&str, Self)> {
+        let (number, word) = cell.trim().split_once(' ')?;
+        Some((number, Self::from_word(word)?))
+    }
+
     /// Its name in a manifest.
     pub fn name(self) -> &'static str {
         TIME_UNITS[self as usize].1
@@ -91,6 +110,10 @@ impl TimeUnit {
         if let Some(date) = date {
             return Some(since(date * GIGA, origin));
         }
+        let cell = match Self::in_cell(cell) {
+            Some((number, unit)) if unit == self => number,
+            _ => cell,
+        };
         let value: f64 = cell.parse().ok()?;
         let nanoseconds = TIME_UNITS[self as usize].2;
         let seconds = match self {
@@ -161,6 +184,17 @@ fn plain(cell: &str) -> String {
         cell.truncate(cell.trim_end().len());
     }
     let begins = cell.find(['T', ' ']).map_or(0, |at| at + 1);
+    // Some instruments write `12:01:02:500`.
+    if let (3, Some(last)) = (cell[begins..].matches(':').count(), cell.rfind(':')) {
+        let is_part = cell[last + 1..]
+            .bytes()
+            .take_while(u8::is_ascii_digit)
+            .count()
+            >= 3;
+        if is_part {
+            cell.replace_range(last..=last, ".");
+        }
+    }
     if let Some(half) = half
         && let Some(hour) = cell.get(begins..begins + 2)
         && let Ok(hour) = hour.parse::<usize>()
@@ -268,6 +302,13 @@ mod tests {
         for (unit, cell, told) in [
             (TimeUnit::Iso, "12:01:02.123", Some(43_262.123)),
             (TimeUnit::Iso, "9:01:02,5", Some(32_462.5)),
+            (TimeUnit::Iso, "12:01:02:250", Some(43_262.25)),
+            (
+                TimeUnit::MonthFirst,
+                "05/03/2024 12:01:02:250",
+                day(43_262.25),
+            ),
+            (TimeUnit::Iso, "12:01:02:", None),
             (TimeUnit::Iso, "2024-05-03 12:01:02.25", day(43_262.25)),
             (TimeUnit::Iso, "2024-05-03T12:01:02,25+0200", day(36_062.25)),
             (TimeUnit::DayFirst, "03.05.2024 12:01:02,25", day(43_262.25)),

@@ -99,7 +99,7 @@ fn values(channel: &Channel, (column, values): (&ColumnHealth, &[f64])) -> Vec<S
     if let [first, ..] = column.wraps[..] {
         let count = column.wraps.len();
         remarks.push(format!(
-            "jumps by a turn {count} time(s), first at {} s: unwrap it",
+            "jumps by a turn {count} time(s), first at {} s: the jumps are taken out where the angle is used",
             plain(first)
         ));
     }

@@ -12,13 +12,15 @@ const MEDIAN_ABSOLUTE: f64 = 0.674_489_750_196_081_7;
 /// The k-th difference of white noise has the variance `sigma^2 C(2k, k)`; that of a signal at angular
 /// frequency w, sampled with period T, shrinks as `(w T)^k`. Each order therefore gives sigma or more (by the
 /// median of absolute values, so that steps do not count), and the least value over the orders 2 to 6 is taken.
-/// It is 0 if more than half of the differences vanish: the noise is then below the quantisation step. `None`
-/// below 20 samples.
+/// It is 0 if more than half of the differences vanish: the noise is then below the quantisation step. What the rounding of
+/// doubles leaves of such differences is 0, too. `None` below 20 samples.
 ///
 /// Source: von Neumann (1941) for k = 1; Gasser, Sroka, Jennen-Steinmetz (1986) for k = 2.
 pub fn noise_std(values: &[f64]) -> Option<f64> {
     let orders = noise_by_order(values);
     let least = orders.into_iter().fold(f64::INFINITY, f64::min);
+    let largest = values.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
+    let least = if least <= DUST * largest { 0.0 } else { least };
     (values.len() >= 20).then_some(least)
 }
 
@@ -34,6 +36,17 @@ pub fn shows_noise(values: &[f64], step: f64) -> bool {
     let is_white = sixth > 0.5 * fifth;
     let is_seen = noise_std(values).is_some_and(|noise| noise > 0.0 && noise >= step);
     is_seen && is_white
+}
+
+/// The noise, as a share of the largest value, that the rounding of doubles can make: each of the terms of a sixth difference
+/// is off by half of an epsilon at most, before and after its unit was converted.
+const DUST: f64 = 4.0 * f64::EPSILON;
+
+/// Whether noise of this standard deviation is below what rounding to a step makes, `step / sqrt(12)`: it cannot be told then.
+///
+/// Source: B. Widrow, I. Kollar, Quantization Noise, Cambridge University Press 2008.
+pub fn is_rounding(noise_std: f64, step: f64) -> bool {
+    noise_std < step / f64::sqrt(12.0)
 }
 
 /// The standard deviation of white noise by each order of difference.

@@ -4,11 +4,14 @@ use super::columns::{Channel, Channels, MOST_ASKED};
 use super::content::Content;
 
 impl Channels {
-    /// The columns to ask for where none can be named: all but further clocks and counters, if there are others.
+    /// The columns to ask for where none can be named: all but further clocks and counters, texts, and columns of one value, if
+    /// there are others.
     pub fn asked<'a>(&'a self, content: &'a Content) -> impl Iterator<Item = usize> + 'a {
         let counts = |index: &usize| {
             let column = &content.columns[*index];
-            column.name.is_time() || column.name.is_count() || column.is_empty()
+            let is_read = column.is_numeric() || column.is_mostly_numeric();
+            let is_one = column.distinct.len() < 2;
+            column.name.is_time() || column.name.is_count() || !is_read || is_one
         };
         let all_count = self.unused.iter().all(counts);
         let rest = self.unused.iter().copied();

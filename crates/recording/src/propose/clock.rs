@@ -4,6 +4,7 @@ use super::super::stamp::{TIME_UNITS, TimeUnit};
 use super::Guess;
 use super::content::{Column, Content};
 use super::name;
+use super::split_stamps::{self, SplitStamps};
 
 /// Rate, Hz, below which stamps are not assumed to be seconds: for a robot's slowest vibration of a few hertz
 /// there are less than two samples a period.
@@ -19,8 +20,10 @@ pub enum Clock {
         unit: Guess<TimeUnit>,
         open: Option<String>,
     },
-    /// A rate, Hz.
+    /// A rate, Hz, that the last line of the file says.
     Rate(f64),
+    /// A rate in the place of stamps in two columns.
+    Split(SplitStamps),
     /// The file has no time.
     None,
 }
@@ -28,7 +31,11 @@ pub enum Clock {
 impl Clock {
     /// Whether a column belongs to the clock.
     pub fn has(&self, index: usize) -> bool {
-        matches!(self, Self::Stamps { column, .. } if *column == index)
+        match self {
+            Self::Stamps { column, .. } => *column == index,
+            Self::Split(split) => [split.seconds, split.seconds + 1].contains(&index),
+            _ => false,
+        }
     }
 }
 
@@ -38,15 +45,25 @@ pub fn of(content: &Content) -> Clock {
         return Clock::Rate(rate);
     }
     let columns = &content.columns;
+    let in_time = |column: &Column| {
+        let unit = column.name.unit.as_deref().and_then(name::time_unit);
+        let is_one = unit.is_some() || column.durations.is_some();
+        is_one && column.is_numeric() && column.grows(0..column.numbers.len())
+    };
     let named = columns
         .iter()
-        .position(|column| column.name.is_time() && is_clock(column));
+        .position(|column| column.name.is_time() && is_clock(column))
+        .or_else(|| columns.iter().position(in_time));
     let dated = || columns.iter().position(|column| date(column).is_some());
     let unnamed = || {
-        let first = columns.first()?;
+        // What an instrument tells of itself may stand beside the table.
+        let is_full =
+            |column: &Column| column.is_numeric() && !column.numbers.iter().any(|own| own.is_nan());
+        let place = columns.iter().position(is_full)?;
+        let first = &columns[place];
         let is_other = first.name.is_count() || first.name.role().is_some();
-        let even = first.is_numeric() && first.grows(0..first.numbers.len());
-        (columns.len() > 1 && even && !is_other).then_some(0)
+        let grows = first.grows(0..first.numbers.len());
+        (columns.len() > 1 && grows && !is_other).then_some(place)
     };
     if let Some(column) = named.or_else(dated) {
         let (unit, open) = match content.is_klipper() {
@@ -55,12 +72,18 @@ pub fn of(content: &Content) -> Clock {
         };
         return Clock::Stamps { column, unit, open };
     }
+    if let Some(split) = split_stamps::of(content) {
+        return Clock::Split(split);
+    }
     match unnamed() {
         None => Clock::None,
         Some(column) => {
             let (unit, open) = unit(&columns[column]);
-            let grows = "the first column, whose values grow, has the time";
-            let open = Some(open.map_or(grows.into(), |open| format!("{grows}; {open}")));
+            let grows = match column {
+                0 => "the first column, whose values grow, has the time".to_owned(),
+                other => format!("column {}, whose values grow, has the time", other + 1),
+            };
+            let open = Some(open.map_or(grows.clone(), |open| format!("{grows}; {open}")));
             let unit = Guess::guessed(unit.value, grows);
             Clock::Stamps { column, unit, open }
         }
@@ -98,6 +121,7 @@ fn unit(column: &Column) -> (Guess<TimeUnit>, Option<String>) {
         .iter()
         .find_map(|word| name::time_unit(word).filter(|_| word.len() > 1));
     let told = column.name.unit.as_deref().and_then(name::time_unit);
+    let told = told.or(column.durations);
     let first = column
         .numbers
         .iter()

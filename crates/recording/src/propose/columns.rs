@@ -5,7 +5,8 @@ use super::super::unit::Dimension;
 use super::Guess;
 use super::clock::Clock;
 use super::content::{Column, Content};
-use super::{joint, name};
+use super::{joint, name, tool};
+use crate::Wrap;
 
 /// Standard acceleration of free fall, m/s^2.
 const G_N: f64 = 9.80665;
@@ -26,6 +27,8 @@ pub struct Channel {
     pub columns: Vec<usize>,
     /// Its unit.
     pub unit: Guess<String>,
+    /// The counter whose readings it has, if it begins again.
+    pub wrap: Option<Wrap>,
 }
 
 /// Proposed channels of a file.
@@ -69,28 +72,38 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
     }
     for channel in &mut channels.found {
         // A manifest has the axes in the order of x, y and z.
-        let axis = |index: &usize| content.columns[*index].name.axis();
-        channel.columns.sort_by_key(axis);
+        channel.columns.sort_by_key(|index| axis(content, *index));
         if channel.unit.value.is_empty() {
             channel.unit = unit(content, channel);
         }
     }
     channels.alone(content);
+    channels.wraps(content);
     channels.open.extend(content.columns.iter().filter_map(bad));
     let of_clock = (0..content.columns.len()).filter(|index| clock.has(*index));
     let doubled = channels.doubled(content, of_clock);
     channels.open.extend(doubled);
     let counted = channels.counted(content);
-    channels.open.extend(counted);
+    let second = channels
+        .second_position(content)
+        .filter(|_| counted.is_empty());
+    channels.open.extend(counted.into_iter().chain(second));
     if channels.found.is_empty() {
         let names: Vec<&str> = channels
             .asked(content)
             .map(|index| content.columns[index].title.as_str())
             .collect();
-        channels.open.push(format!(
+        let mut question = format!(
             "which columns are meant of {}: fill in a [[channel]] block of the manifest for each",
             names.join(", ")
-        ));
+        );
+        if channels
+            .asked(content)
+            .any(|index| content.columns[index].name.is_input())
+        {
+            question += ", with what its sensor measures, as unit = \"g\" and scale = 10 for volts of one with 100 mV/g";
+        }
+        channels.open.push(question);
     }
     channels
 }
@@ -127,7 +140,7 @@ impl Channels {
         let is_vector = role.entry().columns.contains(&3);
         match same {
             Some(channel)
-                if is_vector && column.name.axis().is_some() && channel.columns.len() < 3 =>
+                if is_vector && axis(content, index).is_some() && channel.columns.len() < 3 =>
             {
                 channel.columns.push(index);
             }
@@ -145,6 +158,7 @@ impl Channels {
                     joint: joint.clone(),
                     columns: vec![index],
                     unit,
+                    wrap: None,
                 });
             }
         }
@@ -172,6 +186,7 @@ impl Channels {
             }
         }
         self.pairs(content);
+        self.other_kind();
         // A single channel is the vibration, whatever its role.
         if let [only] = self.found.as_mut_slice() {
             if only.role.value == Role::MotorVelocity && only.role.why.is_some() {
@@ -204,6 +219,17 @@ impl Channels {
 
 /// The role of a column, and whether it is certain.
 pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
+    let own = by_name(content, index);
+    tool::place(content, index).map_or(own, |place| tool::role(place, own))
+}
+
+/// The axis of a column: 0, 1 or 2.
+fn axis(content: &Content, index: usize) -> Option<usize> {
+    let name = &content.columns[index].name;
+    name.axis().or_else(|| tool::place(content, index))
+}
+
+fn by_name(content: &Content, index: usize) -> Option<(Role, bool)> {
     let name = &content.columns[index].name;
     // RepRapFirmware calls the axes of its accelerometer X, Y and Z, as a phone does in a file `Accelerometer.csv`.
     let of_one = content.told_rate_hz.is_some()
@@ -211,8 +237,8 @@ pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
     if of_one && name.axis().is_some() {
         return Some((Role::TipAcceleration, true));
     }
-    if super::theta::is_link_of_theta(content, index) {
-        return Some((Role::LinkPosition, false));
+    if let Some(role) = super::theta::role(content, index) {
+        return Some((role, false));
     }
     let dimension = name
         .unit
@@ -222,8 +248,20 @@ pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
     let named = name.role();
     // A tool with an acceleration's unit has an accelerometer.
     match (named, dimension) {
+        // A vibration may be told as a velocity or a length.
+        (
+            Some((Role::TipAcceleration | Role::LinkAcceleration, _)),
+            Some(own @ (Dimension::Velocity | Dimension::AngularVelocity | Dimension::Length)),
+        ) => by_dimension(own),
         (Some((role, true)), _) => Some((role, true)),
         (_, Some(Dimension::Acceleration)) => Some((Role::TipAcceleration, true)),
+        // The command of a speed is no measured speed.
+        (
+            Some((Role::CommandPosition, _)),
+            Some(Dimension::Velocity | Dimension::AngularVelocity | Dimension::AngularAcceleration),
+        ) => None,
+        // Any sensor gives volts at the input of an instrument.
+        (None, Some(Dimension::Voltage)) if name.is_input() => None,
         // Steps of an encoder do not tell what moves.
         (Some(found), Some(Dimension::Number)) => Some(found),
         // An angle at the tip is that of the link.

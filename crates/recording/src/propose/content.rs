@@ -3,6 +3,7 @@
 use super::super::error::{Problem, RecordingError};
 use super::super::layout::Layout;
 use super::super::role::Role;
+use super::super::stamp::TimeUnit;
 use super::super::table::{self, Table, parquet};
 use super::form;
 use super::name::{self, Name};
@@ -52,6 +53,8 @@ pub struct Column {
     pub grouped: Option<Bad>,
     /// The first cell.
     pub first: String,
+    /// The unit of time behind its numbers, as in `0.004 sec`.
+    pub durations: Option<TimeUnit>,
     /// Its distinct cells in their order, if there are few.
     pub distinct: Vec<String>,
     /// The rows from which on these stand, counted from 0.
@@ -252,6 +255,7 @@ impl Column {
             bad: None,
             grouped: None,
             first: String::new(),
+            durations: None,
             distinct: Vec::new(),
             begins: Vec::new(),
         }
@@ -262,7 +266,8 @@ impl Column {
         if self.numbers.is_empty() {
             self.first = cell.into();
         }
-        let number = layout.number(cell).filter(|number| number.is_finite());
+        let number = layout.number(cell).or_else(|| self.duration(cell, layout));
+        let number = number.filter(|number| number.is_finite());
         let missing = number.is_none() && MISSING.contains(&cell);
         if number.is_none() && !missing {
             self.texts += 1;
@@ -287,9 +292,18 @@ impl Column {
         missing
     }
 
+    /// The number of a cell with a unit of time behind it, which is then that of the column.
+    fn duration(&mut self, cell: &str, layout: &Layout) -> Option<f64> {
+        let (number, unit) = TimeUnit::in_cell(cell)?;
+        let value = layout.number(number)?;
+        let of_column = self.durations.get_or_insert(unit);
+        (*of_column == unit).then_some(value)
+    }
+
     /// Its name in a manifest, with its title where that is another one.
     pub fn told(&self) -> String {
         match self.called == self.title || self.title.is_empty() {
+            true if self.called.is_empty() => "one without a name".into(),
             true => self.called.clone(),
             false => format!("{} ({})", self.called, self.title),
         }

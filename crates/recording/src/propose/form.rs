@@ -55,17 +55,10 @@ pub fn of(text: &str) -> Option<Form> {
         decimal: (decimal == ',').then_some(','),
         ..Layout::default()
     };
-    let cells = |line: &str| split(line, delimiter).len();
-    let count = usual(rows.iter().map(|line| cells(line)));
-    let is_row = |line: &str| cells(line) == count && numbers(line, delimiter, decimal) > 0;
-    // A line above the table may contain a number as well, `Writer_Version 2`; but a table does not consist of
-    // one row before other lines.
-    let goes_on = |&line: &usize| {
-        let below = lines[line + 1..].iter().find(plain);
-        is_row(lines[line]) && below.is_none_or(|below| is_row(below))
-    };
-    let first = (0..lines.len()).find(goes_on)?;
+    let count = usual(rows.iter().map(|line| split(line, delimiter).len()));
+    let first = first_row(&lines, &rows, (delimiter, decimal))?;
     let marked = |line: &&str| line.trim_start().starts_with(MARKS);
+    let cells = |line: &str| split(unmarked(line), delimiter).len();
     let mut names = None;
     let mut above = (0..first)
         .rev()
@@ -86,7 +79,9 @@ pub fn of(text: &str) -> Option<Form> {
         Some(_) => {}
     }
     if let Some(line) = header.filter(|_| names.is_none()) {
-        names = repeated(lines[line], delimiter);
+        let over = (0..line).rev().map(|over| lines[over]);
+        let over = over.filter(|over| cells(over) == count && !marked(over));
+        names = of_block(lines[line], over, delimiter).or_else(|| repeated(lines[line], delimiter));
         if names.is_some() {
             layout.header = Some(false);
             layout.skip = Some(first);
@@ -101,7 +96,11 @@ pub fn of(text: &str) -> Option<Form> {
     let commented = lines.iter().enumerate().find(|(line, text)| {
         marked(text) && Some(*line) != header && layout.skip.is_none_or(|skip| *line >= skip)
     });
-    layout.comment = commented.and_then(|(_, text)| text.trim_start().chars().next());
+    // A `#` before the names is left out without being told.
+    let named = header.map(|line| lines[line]);
+    let named = named.filter(|line| marked(line) && !line.trim_start().starts_with('#'));
+    let remark = named.or(commented.map(|(_, line)| *line));
+    layout.comment = remark.and_then(|line| line.trim_start().chars().next());
     // RepRapFirmware ends its files with this.
     if text
         .trim_end()
@@ -114,9 +113,71 @@ pub fn of(text: &str) -> Option<Form> {
     Some(Form { layout, names })
 }
 
+/// The first line of the table. Lines above it may contain numbers, too, `Writer_Version 2` or `X0 0.0 0.0`: a row has a
+/// number, or nothing, in each column of numbers, and another one below it. A row above that is one but for some cells is of
+/// the table as well: these are bad cells.
+fn first_row(lines: &[&str], rows: &[&str], (delimiter, decimal): (char, char)) -> Option<usize> {
+    let columns = numeric(rows, delimiter, decimal);
+    let numbers = |line: &str| {
+        let cells = split(line, delimiter);
+        let of = cells
+            .iter()
+            .zip(&columns)
+            .filter(|(_, is_numeric)| **is_numeric);
+        let good = of
+            .clone()
+            .filter(|(cell, _)| is_number(cell, decimal))
+            .count();
+        let blank = of.filter(|(cell, _)| cell.is_empty()).count();
+        (cells.len() == columns.len() && good > 0).then_some(good + blank)
+    };
+    let all = columns.iter().filter(|is_numeric| **is_numeric).count();
+    let is_plain = |line: &&&str| rows.contains(line);
+    let is_row = |line: &str| numbers(line) == Some(all);
+    let goes_on = |&line: &usize| {
+        let below = lines[line + 1..].iter().find(is_plain);
+        is_row(lines[line]) && below.is_none_or(|below| numbers(below).is_some())
+    };
+    let mut first = (0..lines.len()).find(goes_on)?;
+    let mut above = (0..first).rev().filter(|&line| is_plain(&&lines[line]));
+    while let Some(line) = above.next().filter(|&line| {
+        let good = numbers(lines[line]);
+        good.is_some_and(|good| 2 * good >= all)
+    }) {
+        first = line;
+    }
+    Some(first)
+}
+
+/// The names of columns in a block of lines above the numbers, as of a trace with a line of names, of types, of factors:
+/// those of the topmost line that has most names of roles, where the lowest has none.
+fn of_block<'a>(
+    lowest: &str,
+    over: impl Iterator<Item = &'a str>,
+    delimiter: char,
+) -> Option<Vec<String>> {
+    let tell = |line: &str| {
+        let cells = split(line, delimiter).into_iter();
+        cells
+            .filter(|cell| super::name::parse(cell).role().is_some())
+            .count()
+    };
+    if tell(lowest) > 0 {
+        return None;
+    }
+    let best = over.max_by_key(|line| tell(line))?;
+    let names = split(best, delimiter).into_iter().map(str::to_owned);
+    (tell(best) > 0).then(|| names.collect())
+}
+
+/// A header without the mark of a comment.
+fn unmarked(line: &str) -> &str {
+    line.trim_start().trim_start_matches(MARKS)
+}
+
 /// The names of a header in which one stands twice: the columns are then called by their numbers.
 fn repeated(header: &str, delimiter: char) -> Option<Vec<String>> {
-    let names = split(header.trim_start().trim_start_matches(MARKS), delimiter);
+    let names = split(unmarked(header), delimiter);
     let again = |(k, name): (usize, &&str)| !name.is_empty() && names[..k].contains(name);
     let is_one = names.iter().enumerate().any(again);
     is_one.then(|| names.iter().map(|name| (*name).to_owned()).collect())
@@ -124,6 +185,15 @@ fn repeated(header: &str, delimiter: char) -> Option<Vec<String>> {
 
 /// Rows times columns of numbers, by this separator and decimal mark.
 fn columns(rows: &[&str], delimiter: char, decimal: char) -> usize {
+    let numeric = numeric(rows, delimiter, decimal);
+    let of_count = rows
+        .iter()
+        .filter(|line| split(line, delimiter).len() == numeric.len());
+    of_count.count() * numeric.iter().filter(|is_numeric| **is_numeric).count()
+}
+
+/// Whether each column is one of numbers, by this separator and decimal mark.
+fn numeric(rows: &[&str], delimiter: char, decimal: char) -> Vec<bool> {
     let cells: Vec<Vec<&str>> = rows.iter().map(|line| split(line, delimiter)).collect();
     let count = usual(cells.iter().map(Vec::len));
     let of_count: Vec<_> = cells.iter().filter(|row| row.len() == count).collect();
@@ -136,7 +206,7 @@ fn columns(rows: &[&str], delimiter: char, decimal: char) -> usize {
         let rows = of_count.len().saturating_sub(1).max(1);
         good > 0 && (good + blank.count()) as f64 >= MOST * rows as f64
     };
-    of_count.len() * (0..count).filter(|c| column(*c)).count()
+    (0..count).map(column).collect()
 }
 
 /// The most frequent number.
@@ -165,11 +235,6 @@ fn is_number(cell: &str, decimal: char) -> bool {
         ',' => !cell.contains('.') && cell.replace(',', ".").parse::<f64>().is_ok(),
         _ => cell.parse::<f64>().is_ok(),
     }
-}
-
-fn numbers(line: &str, delimiter: char, decimal: char) -> usize {
-    let is_one = |cell: &&&str| is_number(cell, decimal);
-    split(line, delimiter).iter().filter(is_one).count()
 }
 
 /// Whether a line contains only units, more than one. A cell may be blank, and a quantity without a physical unit has a

@@ -3,6 +3,7 @@
 use super::super::role::Role;
 use super::content::{Column, Content};
 use super::name;
+use super::tool;
 use super::words::{BESIDE, WORDS};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -25,7 +26,10 @@ pub fn of(content: &Content, roles: &[Option<Role>]) -> Vec<Option<String>> {
         true => labelled(columns, roles),
         false => Vec::new(),
     };
-    let joint = |column: &Column| {
+    let joint = |(index, column): (usize, &Column)| {
+        if tool::place(content, index).is_some() {
+            return None;
+        }
         element(&column.title)
             .or_else(|| {
                 let (_, number) = column.name.numbered()?;
@@ -41,7 +45,7 @@ pub fn of(content: &Content, roles: &[Option<Role>]) -> Vec<Option<String>> {
                     .map(|label| label.join("_"))
             })
     };
-    columns.iter().map(joint).collect()
+    columns.iter().enumerate().map(joint).collect()
 }
 
 /// Each joint once, in their order.

@@ -3,7 +3,7 @@
 use super::super::role::{ROLES, Role};
 use super::super::stamp::TimeUnit;
 use super::super::unit::{Dimension, Unit};
-use super::words::{COUNTS, PAYLOADS, STEPS, TIME, WORDS};
+use super::words::{ANGLES, COUNTS, INPUTS, PAYLOADS, SPELLED, STEPS, TIME, WORDS};
 
 /// The parts of a name.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +43,8 @@ pub fn parse(name: &str) -> Name {
             .replace("per/", "")
             .replace("N/m", "N.m");
         // A number at the end counts joints or sensors; it is not the unit `1`.
-        if is_unit(&tail) && tail.parse::<u64>().is_err() {
+        let subscript = tail == "m" && ANGLES.contains(&parts[from - 1].to_lowercase().as_str());
+        if is_unit(&tail) && tail.parse::<u64>().is_err() && !subscript {
             let words = parts[..from]
                 .iter()
                 .map(|word| word.to_lowercase())
@@ -101,6 +102,9 @@ pub fn unit(text: &str) -> Option<&'static Unit> {
         .replace("sec", "s")
         .replace("**", "^")
         .replace("degrees", "deg");
+    if let Some((_, name)) = SPELLED.iter().find(|own| own.0 == text.to_lowercase()) {
+        return Unit::from_name(name);
+    }
     let plain = text.replace('\u{b2}', "2").replace(' ', "");
     if STEPS.contains(&plain.to_lowercase().as_str()) {
         return Unit::from_name("count");
@@ -112,15 +116,7 @@ pub fn unit(text: &str) -> Option<&'static Unit> {
 
 /// The unit of time that a text means.
 pub fn time_unit(text: &str) -> Option<TimeUnit> {
-    let plain = text.trim().to_lowercase();
-    match plain.as_str() {
-        "sec" | "second" | "seconds" => Some(TimeUnit::Seconds),
-        "msec" | "millis" | "milliseconds" => Some(TimeUnit::Milliseconds),
-        "usec" | "\u{b5}s" | "\u{3bc}s" | "micros" | "microseconds" => Some(TimeUnit::Microseconds),
-        "nsec" | "nanos" | "nanoseconds" => Some(TimeUnit::Nanoseconds),
-        "minutes" => Some(TimeUnit::Minutes),
-        other => TimeUnit::from_name(other).filter(|unit| !unit.is_text()),
-    }
+    TimeUnit::from_word(text)
 }
 
 impl Name {
@@ -178,6 +174,7 @@ impl Name {
                 .words
                 .last()
                 .is_some_and(|word| ["time", "timestamp", "stamp"].contains(&word.as_str())))
+            || matches!(&*self.words, [only] if only.len() > 1 && time_unit(only).is_some())
             || (self.words.is_empty()
                 && self
                     .unit
@@ -185,9 +182,28 @@ impl Name {
                     .is_some_and(|unit| time_unit(unit).is_some()))
     }
 
-    /// Whether the name means a counter of rows.
+    /// Whether the name means a counter of rows; a current is called `i`, too.
     pub fn is_count(&self) -> bool {
-        self.words.len() == 1 && COUNTS.contains(&self.words[0].as_str())
+        let unit = self.unit.as_deref().and_then(unit);
+        let is_quantity = unit.is_some_and(|own| own.dimension != Dimension::Number);
+        self.words.len() == 1 && COUNTS.contains(&self.words[0].as_str()) && !is_quantity
+    }
+
+    /// Whether the name is that of an input of an instrument, which does not tell its sensor: `CH1`, `Channel 2`, `AI0`.
+    pub fn is_input(&self) -> bool {
+        let is_counted = |word: &String| bare(word).len() < 2;
+        let is_word = |word: &String| INPUTS.contains(&bare(word));
+        let last = self.words.last();
+        let ends = last.is_some_and(|last| is_word(last) && bare(last) != last);
+        let all = self
+            .words
+            .iter()
+            .all(|word| is_counted(word) || is_word(word));
+        let is_one = self.words.iter().any(is_word) || self.unit.is_some();
+        ends || all
+            && is_one
+            && last
+                .is_some_and(|last| is_word(last) || self.words.len() > 1 || bare(last).is_empty())
     }
 
     /// Whether it is what the axis carries.

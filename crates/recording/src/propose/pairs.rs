@@ -54,6 +54,64 @@ impl Channels {
     }
 }
 
+impl Channels {
+    /// A guessed velocity of the motor in m/s beside a position that is an angle, or the other way round, is the link's.
+    pub(super) fn other_kind(&mut self) {
+        let dimension =
+            |own: &Channel| super::name::unit(&own.unit.value).map(|unit| unit.dimension);
+        let motor = self
+            .found
+            .iter()
+            .find(|own| own.role.value == Role::MotorPosition);
+        let other = match motor.and_then(dimension) {
+            Some(Dimension::Angle) => Dimension::Velocity,
+            Some(Dimension::Length) => Dimension::AngularVelocity,
+            _ => return,
+        };
+        let is_one = |own: &&mut Channel| {
+            let is_guess = own.role.value == Role::MotorVelocity && own.role.why.is_some();
+            is_guess && dimension(own) == Some(other)
+        };
+        if let Some(own) = self.found.iter_mut().find(is_one) {
+            own.role.value = Role::LinkVelocity;
+        }
+    }
+
+    /// A sentence on a second column that may be a position of the motor side, where nothing else shows the link.
+    pub(super) fn second_position(&self, content: &Content) -> Option<String> {
+        let link = [
+            Role::LinkPosition,
+            Role::Deformation,
+            Role::TipPosition,
+            Role::TipAcceleration,
+            Role::LinkAcceleration,
+            Role::LinkVelocity,
+        ];
+        if self.found.iter().any(|own| link.contains(&own.role.value)) {
+            return None;
+        }
+        let mut motor = self
+            .found
+            .iter()
+            .filter(|own| own.role.value == Role::MotorPosition);
+        let (one, None) = (motor.next()?, motor.next()) else {
+            return None;
+        };
+        let first = &content.columns[one.columns[0]];
+        let is_second = |&&index: &&usize| {
+            let own = &content.columns[index];
+            let role = super::columns::role(content, index);
+            let is_position = role.is_some_and(|(role, _)| role == Role::MotorPosition);
+            is_position && own.name.unit == first.name.unit && own.numbers != first.numbers
+        };
+        let second = self.unused.iter().find(is_second)?;
+        Some(format!(
+            "what {:?} is beside {:?}: if it is of the link, add a [[channel]] block with role = \"link_position\"",
+            content.columns[*second].title, first.title
+        ))
+    }
+}
+
 /// A sentence on a length that follows the angle of a motor, or an angle a length: more of it is explained by that than is
 /// left. A deformation has the slope 0 over the motor side.
 fn geared(u: &Column, y: &Column) -> Option<String> {

@@ -6,7 +6,9 @@ use super::super::stamp::TimeUnit;
 use super::clock::{self, Clock};
 use super::columns::{self, Channel, Channels};
 use super::content::{Column, Content};
-use super::{Guess, Proposal, Proposed, joint, manifest_name, response, restarts, unreadable};
+use super::{
+    Guess, Proposal, Proposed, joint, manifest_name, response, restarts, unreadable, wraps,
+};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::ops::Range;
@@ -128,6 +130,7 @@ impl Read<'_> {
             Clock::Stamps {
                 open: Some(why), ..
             } => open.push(why.clone()),
+            Clock::Split(split) => open.extend(split.open(self.content)),
             _ => {}
         }
         if self.several().is_empty() {
@@ -316,7 +319,7 @@ fn channel(file: &Read, channel: &Channel) -> String {
             let _ = writeln!(text, "time = {}", quoted(&column.called));
             let plain =
                 unit.value == TimeUnit::Seconds && column.numbers.first().is_none_or(|t| *t < 1e8);
-            if !(plain && unit.why.is_none()) {
+            if !(plain && unit.why.is_none() && column.durations.is_none()) {
                 text += &key("time_unit", &quoted(unit.value.name()), unit);
             }
         }
@@ -325,6 +328,10 @@ fn channel(file: &Read, channel: &Channel) -> String {
                 text,
                 "rate_hz = {rate}  # the last line of the file says it"
             );
+        }
+        Clock::Split(split) => {
+            let (rate, why) = (round(split.rate_hz), split.words(file.content));
+            let _ = writeln!(text, "rate_hz = {rate}  # guessed: {}", line(&why));
         }
         Clock::None => text += "# rate_hz =   # samples a second: nothing in the file says it\n",
     }
@@ -340,7 +347,16 @@ fn channel(file: &Read, channel: &Channel) -> String {
         [one] => writeln!(text, "column = {one}{comment}"),
         several => writeln!(text, "columns = [{}]{comment}", several.join(", ")),
     };
-    text + &key("unit", &quoted(&channel.unit.value), &channel.unit)
+    text += &key("unit", &quoted(&channel.unit.value), &channel.unit);
+    if let Some(wrap) = &channel.wrap {
+        let _ = writeln!(
+            text,
+            "wrap = {}  # guessed: {}",
+            wrap.period,
+            wraps::words(wrap)
+        );
+    }
+    text
 }
 
 /// A block for each column that cannot be named, as comments: role and unit are to be filled in.
@@ -356,6 +372,7 @@ fn to_fill_in(file: &Read) -> String {
             joint: None,
             columns: vec![index],
             unit: Guess::known(String::new()),
+            wrap: None,
         };
         let block = channel(file, &block).replacen(role.name(), "", 1);
         text += &block.replace('\n', "\n# ");
@@ -369,6 +386,11 @@ fn key<T>(key: &str, value: &str, guess: &Guess<T>) -> String {
         Some(why) => format!("{key} = {value}  # guessed: {}\n", line(why)),
         None => format!("{key} = {value}\n"),
     }
+}
+
+/// A rate to a millionth of a hertz.
+fn round(rate_hz: f64) -> f64 {
+    (1e6 * rate_hz).round() / 1e6
 }
 
 /// A TOML string.

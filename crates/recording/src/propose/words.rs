@@ -145,7 +145,12 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
         &["abtriebswinkel", "abtriebsposition", "lastwinkel"],
         true,
     ),
-    (Role::LinkPosition, &[], &["link", "load", "arm"], false),
+    (
+        Role::LinkPosition,
+        &[],
+        &["link", "load", "arm", "abtrieb"],
+        false,
+    ),
     (
         Role::TipPosition,
         &[],
@@ -185,6 +190,9 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
             "angle",
             "state",
             "actual",
+            "act",
+            "feedback",
+            "fbk",
             "ist",
             "istposition",
             "winkel",
@@ -249,7 +257,10 @@ pub const TIME: &[&str] = &[
     "datetime",
 ];
 /// Words for counters.
-pub const COUNTS: &[&str] = &["sample", "index", "n", "i", "row", "no", "nr", "count"];
+pub const COUNTS: &[&str] = &[
+    "sample", "index", "n", "i", "row", "no", "nr", "count", "scan", "tick", "frame", "seq",
+    "point",
+];
 
 /// Words for what an axis carries.
 pub const PAYLOADS: &[&str] = &["payload", "nutzlast", "zuladung"];
@@ -266,4 +277,28 @@ pub const STEPS: &[&str] = &[
     "ticks",
     "pulses",
     "impulses",
+];
+
+/// Words for angles, which no length follows: the `m` of `theta_m` is the motor.
+pub const ANGLES: &[&str] = &["theta", "phi", "q", "angle", "winkel"];
+
+/// Words for the inputs of an instrument.
+pub const INPUTS: &[&str] = &[
+    "ch", "chan", "channel", "kanal", "voie", "canal", "input", "ai", "analog", "in", "trace",
+    "probe", "signal",
+];
+
+/// Units as they are spoken, with their signs.
+pub const SPELLED: &[(&str, &str)] = &[
+    ("volt", "V"),
+    ("volts", "V"),
+    ("ampere", "A"),
+    ("amperes", "A"),
+    ("amp", "A"),
+    ("newton", "N"),
+    ("degree", "deg"),
+    ("radian", "rad"),
+    ("radians", "rad"),
+    ("meter", "m"),
+    ("metre", "m"),
 ];

@@ -1,0 +1,75 @@
+//! Stamps in two columns, seconds since an epoch and the nanoseconds beside them, as `ros2 topic echo --csv` writes them.
+
+use super::content::{Column, Content};
+
+/// Seconds since 1970 in the years 2001 to 2286.
+const EPOCH: [f64; 2] = [1e9, 1e10];
+/// Nanoseconds a second.
+const GIGA: f64 = 1e9;
+/// Largest distance of a stamp from an even clock, as a share of its period, for which a rate stands in.
+const BESIDE: f64 = 0.1;
+
+/// Such stamps.
+pub struct SplitStamps {
+    /// The column of the seconds; that of the nanoseconds is the next one.
+    pub seconds: usize,
+    /// Mean number of samples a second.
+    pub rate_hz: f64,
+    /// Whether the stamps are even.
+    pub even: bool,
+}
+
+/// The first two neighbouring columns that are such stamps.
+pub fn of(content: &Content) -> Option<SplitStamps> {
+    let pairs = content.columns.windows(2).enumerate();
+    let mut found = pairs.filter_map(|(seconds, pair)| told(seconds, &pair[0], &pair[1]));
+    found.next()
+}
+
+fn told(seconds: usize, whole: &Column, part: &Column) -> Option<SplitStamps> {
+    let is_whole = |own: &f64| own.fract() == 0.0;
+    let is_epoch = |own: &f64| is_whole(own) && (EPOCH[0]..EPOCH[1]).contains(own);
+    let is_part = |own: &f64| is_whole(own) && (0.0..GIGA).contains(own);
+    let rows = whole.numbers.len();
+    let fits = whole.numbers.iter().all(is_epoch) && part.numbers.iter().all(is_part);
+    if !fits || rows < 3 || part.grows(0..rows) {
+        return None;
+    }
+    let first = whole.numbers[0];
+    let pairs = whole.numbers.iter().zip(&part.numbers);
+    let stamps: Vec<f64> = pairs.map(|(s, ns)| s - first + ns / GIGA).collect();
+    if !stamps.windows(2).all(|pair| pair[1] > pair[0]) {
+        return None;
+    }
+    let rate_hz = (rows - 1) as f64 / (stamps[rows - 1] - stamps[0]);
+    let off = |(k, stamp): (usize, &f64)| (stamp - stamps[0]) * rate_hz - k as f64;
+    Some(SplitStamps {
+        seconds,
+        rate_hz,
+        even: stamps
+            .iter()
+            .enumerate()
+            .map(off)
+            .all(|off| off.abs() < BESIDE),
+    })
+}
+
+impl SplitStamps {
+    /// A clause on where they stand.
+    pub fn words(&self, content: &Content) -> String {
+        let [whole, part] = [self.seconds, self.seconds + 1].map(|k| &content.columns[k].title);
+        format!(
+            "seconds stand in {whole:?} and nanoseconds in {part:?}, and this is their mean rate"
+        )
+    }
+
+    /// A sentence, without a full stop, where they are not even.
+    pub fn open(&self, content: &Content) -> Option<String> {
+        (!self.even).then(|| {
+            format!(
+                "the rate: {}, but they are not even: write a column with both, as 1714554842.300, and call it time",
+                self.words(content)
+            )
+        })
+    }
+}

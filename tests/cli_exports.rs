@@ -1,0 +1,358 @@
+//! CSV files as drives, scopes, robots and laboratory programs export them.
+
+use assert_cmd::Command;
+use serde_json::Value;
+use std::f64::consts::{PI, TAU};
+use tempfile::TempDir;
+
+/// Instants a second.
+const RATE: f64 = 500.0;
+/// Of the link.
+const MODE: (f64, f64) = (6.0, 0.03);
+
+/// A joint that goes forth and back by 1 with rests: instants, positions of motor side and link.
+fn joint() -> Vec<[f64; 3]> {
+    let (w, xi) = (TAU * MODE.0, MODE.1);
+    // Each half of a move is a raised cosine of acceleration.
+    let acceleration = |t: f64| match t % 2.0 {
+        k if !(0.8..1.2).contains(&k) => 0.0,
+        k => {
+            let sign = if t % 4.0 < 2.0 { 1.0 } else { -1.0 };
+            sign * 1.0 * TAU / 0.16 * (TAU * (k - 0.8) / 0.4).sin()
+        }
+    };
+    let (steps, rows) = (20, 4000);
+    let h = 1.0 / (RATE * f64::from(steps));
+    let mut state = [0.0; 4];
+    let mut out = Vec::new();
+    for k in 0..rows * steps {
+        let t = f64::from(k) * h;
+        if k % steps == 0 {
+            out.push([t, state[0], state[0] + state[2]]);
+        }
+        // The midpoint rule.
+        let slope = |s: [f64; 4], a: f64| [s[1], a, s[3], -w * w * s[2] - 2.0 * xi * w * s[3] - a];
+        let first = slope(state, acceleration(t));
+        let middle = core::array::from_fn(|i| state[i] + 0.5 * h * first[i]);
+        let second = slope(middle, acceleration(t + 0.5 * h));
+        state = core::array::from_fn(|i| state[i] + h * second[i]);
+    }
+    out
+}
+
+/// A decay after an impact at 0.6 s.
+fn tap(hertz: f64, ratio: f64, time: f64) -> f64 {
+    let (w, t) = (TAU * hertz, time - 0.6);
+    match t < 0.0 {
+        true => 0.0,
+        false => (-ratio * w * t).exp() * (w * (1.0 - ratio * ratio).sqrt() * t).sin(),
+    }
+}
+
+fn written(name: &str, lines: impl IntoIterator<Item = String>) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let lines: Vec<String> = lines.into_iter().collect();
+    std::fs::write(folder.path().join(name), lines.join("\r\n") + "\r\n").unwrap();
+    folder
+}
+
+fn quell(folder: &TempDir, arguments: &[&str]) -> (String, String) {
+    let mut command = Command::cargo_bin("quell").unwrap();
+    let output = command
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (text(output.stdout), text(output.stderr))
+}
+
+/// What is told of a file, and the manifest proposed for it.
+fn proposed(folder: &TempDir, name: &str) -> (String, String) {
+    let told = quell(folder, &["inspect", name]).0;
+    let manifest = std::fs::read_to_string(folder.path().join("recording.toml")).unwrap();
+    (told, manifest)
+}
+
+/// The first mode that is identified in the proposed recording: from a joint, or from what vibrates alone.
+fn mode(folder: &TempDir) -> (f64, f64) {
+    let (told, error) = quell(folder, &["identify", "--json", "recording.toml"]);
+    let told: Value = serde_json::from_str(&told).unwrap_or_else(|_| panic!("{error}"));
+    let found = match told.get("recordings") {
+        Some(all) => &all[0]["modes"][0],
+        None => &told["recommended"]["modes"][0],
+    };
+    let figure = |key: &str| found[key].as_f64().unwrap_or_else(|| panic!("{told}"));
+    (figure("frequency_hz"), figure("damping_ratio"))
+}
+
+fn is_near(found: (f64, f64), hertz: f64, ratio: f64) {
+    assert!(
+        (found.0 / hertz - 1.0).abs() < 3e-3,
+        "{found:?}, not {hertz}"
+    );
+    assert!(
+        (found.1 / ratio - 1.0).abs() < 0.1,
+        "{found:?}, not {ratio}"
+    );
+}
+
+fn has(text: &str, words: &[&str]) {
+    for own in words {
+        assert!(text.contains(own), "{own:?} is not in {text}");
+    }
+}
+
+#[test]
+fn a_preamble_with_columns_of_its_own_is_none_of_the_table() {
+    // LabVIEW writes values of each channel above their names; TwinCAT a block of lines, of which one has the names.
+    let head = [
+        "LabVIEW Measurement\t",
+        "Writer_Version\t2",
+        "Separator\tTab",
+        "***End_of_Header***\t",
+        "",
+        "Channels\t2\t",
+        "Samples\t3000\t3000\t",
+        "Date\t2024/05/01\t2024/05/01\t",
+        "X_Dimension\tTime\tTime\t",
+        "X0\t0.0000000000000000E+0\t0.0000000000000000E+0\t",
+        "Delta_X\t0.001000\t0.001000\t",
+        "***End_of_Header***\t\t\t",
+        "X_Value\tAcceleration\tVoltage\tComment",
+    ];
+    let row = |k: i32| {
+        let t = f64::from(k) / 1000.0;
+        format!("{t:.6}\t{:.6}\t{:.6}\t", tap(23.0, 0.02, t), 0.3 * t.sin())
+    };
+    let lines = head.map(String::from).into_iter().chain((0..3000).map(row));
+    let folder = written("tap.lvm", lines);
+    let (_, manifest) = proposed(&folder, "tap.lvm");
+    has(
+        &manifest,
+        &[
+            "skip = 12",
+            "role = \"tip_acceleration\"",
+            "column = \"Acceleration\"",
+        ],
+    );
+    is_near(mode(&folder), 23.0, 0.02);
+
+    let head = [
+        "Name;YT Scope Project",
+        "File;C:\\Scope\\move.svdx",
+        "",
+        "Name;Axis1.MotorPos;Name;Axis1.LoadPos",
+        "SymbolComment;;SymbolComment;",
+        "Data-Type;REAL64;Data-Type;REAL64",
+        "SampleTime[ms];2;SampleTime[ms];2",
+        "Offset;0;Offset;0",
+        "BitMask;0xFFFF;BitMask;0xFFFF",
+        "",
+    ];
+    let row = |[t, u, y]: [f64; 3]| {
+        let t = 1e3 * t;
+        format!("{t:.0};{:.5};{t:.0};{:.5}", 40.0 * u, 40.0 * y)
+    };
+    let lines = head
+        .map(String::from)
+        .into_iter()
+        .chain(joint().into_iter().map(row));
+    let folder = written("scope.csv", lines);
+    let (_, manifest) = proposed(&folder, "scope.csv");
+    has(
+        &manifest,
+        &[
+            "skip = 10",
+            "column = \"2\"  # Axis1.MotorPos",
+            "column = \"4\"  # Axis1.LoadPos",
+            "time_unit = \"ms\"",
+        ],
+    );
+    is_near(mode(&folder), MODE.0, MODE.1);
+}
+
+#[test]
+fn names_behind_the_mark_of_a_comment_may_have_spaces_between_them() {
+    let row = |[t, u, y]: [f64; 3]| format!("  {t:1.7e}  {:1.7e}  {:1.7e}", u, y - u);
+    let lines = std::iter::once("% t[s]  theta[rad]  alpha[rad]".to_string())
+        .chain(joint().into_iter().map(row));
+    let folder = written("srv02.txt", lines);
+    let (told, manifest) = proposed(&folder, "srv02.txt");
+    has(
+        &manifest,
+        &[
+            "column = \"theta[rad]\"",
+            "role = \"deformation\"  # guessed",
+        ],
+    );
+    has(&told, &["whether \"alpha[rad]\" is a deformation"]);
+    is_near(mode(&folder), MODE.0, MODE.1);
+}
+
+#[test]
+fn subscripts_of_motor_and_link_are_no_units_and_durations_are_a_time() {
+    let row = |[t, u, y]: [f64; 3]| format!("{t} sec,{u:.15},{y:.15}");
+    let lines =
+        std::iter::once("Time,theta_m,theta_l".to_string()).chain(joint().into_iter().map(row));
+    let folder = written("timetable.csv", lines);
+    let (_, manifest) = proposed(&folder, "timetable.csv");
+    has(
+        &manifest,
+        &[
+            "time = \"Time\"\ntime_unit = \"s\"",
+            "role = \"motor_position\"",
+            "role = \"link_position\"",
+        ],
+    );
+    assert!(!manifest.contains("unit = \"m\""), "{manifest}");
+    is_near(mode(&folder), MODE.0, MODE.1);
+}
+
+#[test]
+fn inputs_of_a_scope_are_asked_for_with_their_sensors() {
+    let row = |k: i32| {
+        let t = f64::from(k) / 1000.0;
+        format!("{t:.5E},{:.4E},{:.4E}", tap(31.0, 0.02, t), 5.0 * t)
+    };
+    for head in [
+        "Source,CH1,CH2\r\nSecond,Volt,Volt",
+        "Time (s),Channel A (V),Channel B (V)",
+        "Time (s),Dev1/ai0 (V),Dev1/ai1 (V)",
+        "Time,Ch1,Ch2",
+    ] {
+        let folder = written(
+            "scope.csv",
+            std::iter::once(head.to_string()).chain((0..3000).map(row)),
+        );
+        let (told, manifest) = proposed(&folder, "scope.csv");
+        has(&told, &["with what its sensor measures"]);
+        assert!(
+            !manifest.contains("motor_voltage") && manifest.contains("# time = "),
+            "{manifest}"
+        );
+    }
+}
+
+#[test]
+fn axes_of_a_tool_are_of_no_joint_and_a_commanded_speed_is_not_measured() {
+    let mut head: Vec<String> = vec!["timestamp".into()];
+    for name in [
+        "actual_q",
+        "actual_current",
+        "actual_TCP_pose",
+        "actual_TCP_force",
+    ] {
+        head.extend((0..6).map(|k| format!("{name}_{k}")));
+    }
+    head.extend((0..3).map(|k| format!("actual_tool_accelerometer_{k}")));
+    let row = |[t, u, y]: [f64; 3]| {
+        let mut cells = vec![format!("{:.3}", 18_234.0 + t)];
+        cells.extend((0..24).map(|k| format!("{:.6}", u * f64::from(k + 1))));
+        cells.extend([0.5 * (y - u), 0.1 * (y - u), 9.81 + (y - u)].map(|a| format!("{a:.5}")));
+        cells.join(" ")
+    };
+    let lines = std::iter::once(head.join(" ")).chain(joint().into_iter().map(row));
+    let folder = written("robot.csv", lines);
+    let (_, manifest) = proposed(&folder, "robot.csv");
+    let blocks: Vec<&str> = manifest.split("[[channel]]").skip(1).collect();
+    assert_eq!(blocks.len(), 13, "{manifest}");
+    let tool = blocks
+        .iter()
+        .find(|block| block.contains("tip_acceleration"))
+        .unwrap();
+    has(
+        tool,
+        &[
+            "actual_tool_accelerometer_0\", \"actual_tool_accelerometer_1\", \"actual_tool_accelerometer_2\"]",
+        ],
+    );
+    assert!(!tool.contains("joint"), "{tool}");
+
+    let row =
+        |[t, u, _]: [f64; 3]| format!("{t:.6}\t{:.5}\t{u:.6}\t{:.4}", (PI * t).sin(), 2.0 * u);
+    let head =
+        "Time\tAxis 1 Speed ref\tAxis 1 Resolver angle\tAxis 1 Torque\r\n[s]\t[rad/s]\t[rad]\t[Nm]";
+    let lines = std::iter::once(head.to_string()).chain(joint().into_iter().map(row));
+    let folder = written("signals.csv", lines);
+    let (_, manifest) = proposed(&folder, "signals.csv");
+    assert!(!manifest.contains("velocity"), "{manifest}");
+}
+
+#[test]
+fn seconds_and_nanoseconds_beside_them_tell_the_rate() {
+    let row = |k: i32| {
+        let ns = i64::from(k) * 2_500_000;
+        let a = tap(9.0, 0.02, f64::from(k) / 400.0);
+        format!(
+            "{},{},imu_link,0.0,0.0,{a:.6},0.0",
+            1_714_554_842 + ns / 1_000_000_000,
+            ns % 1_000_000_000
+        )
+    };
+    let folder = written("imu.csv", (0..3000).map(row));
+    let (told, manifest) = proposed(&folder, "imu.csv");
+    has(
+        &manifest,
+        &["rate_hz = 400  # guessed: seconds stand in \"1\" and nanoseconds in \"2\""],
+    );
+    // What has one value throughout is not asked for, so that one column is left.
+    has(&manifest, &["column = \"6\""]);
+    assert!(!told.contains("rate_hz is needed"), "{told}");
+}
+
+#[test]
+fn a_second_position_is_asked_for_and_a_velocity_of_another_kind_is_the_links() {
+    let row = |[t, u, y]: [f64; 3]| format!("{t:.4},{:.0},{:.0}", 8e3 * u, 8e3 * y);
+    let head = "Time (s),Position [cnt],Aux Position [cnt]".to_string();
+    let folder = written(
+        "servo.csv",
+        std::iter::once(head).chain(joint().into_iter().map(row)),
+    );
+    let (told, _) = proposed(&folder, "servo.csv");
+    has(
+        &told,
+        &[
+            "what \"Aux Position [cnt]\" is beside \"Position [cnt]\"",
+            "role = \"link_position\"",
+        ],
+    );
+
+    let row = |[t, u, y]: [f64; 3]| format!("{t:.4},{u:.6},{:.6}", 300.0 * (y - u));
+    let head = "Time [s],Motor angle [rad],Vib velocity [mm/s]".to_string();
+    let folder = written(
+        "vibrometer.csv",
+        std::iter::once(head).chain(joint().into_iter().map(row)),
+    );
+    let (_, manifest) = proposed(&folder, "vibrometer.csv");
+    has(&manifest, &["role = \"link_velocity\"  # guessed"]);
+    is_near(mode(&folder), MODE.0, MODE.1);
+}
+
+#[test]
+fn the_time_may_stand_beside_what_an_instrument_tells_of_itself() {
+    let about = ["Record Length,2500", "Source,CH1", "Units,V"];
+    let row = |k: usize| {
+        let t = k as f64 / 1000.0;
+        let first = about.get(k).copied().unwrap_or(",");
+        format!("{first},{t:.9},{:.5},", tap(31.0, 0.02, t))
+    };
+    let folder = written("scope.csv", (0..3000).map(row));
+    let (told, manifest) = proposed(&folder, "scope.csv");
+    has(&told, &["column 3, whose values grow, has the time"]);
+    has(&manifest, &["time = \"3\""]);
+    // Stamps with a colon before the milliseconds, beside a counter of scans.
+    let row = |k: i32| {
+        let (s, ms) = (k / 100, 10 * (k % 100));
+        format!(
+            "{},05/14/2024 09:14:{s:02}:{ms:03},{:.6}",
+            k + 1,
+            tap(7.0, 0.02, f64::from(k) / 100.0)
+        )
+    };
+    let lines = std::iter::once("Scan,Time,accel_g".to_string()).chain((0..2000).map(row));
+    let folder = written("logger.csv", lines);
+    let (_, manifest) = proposed(&folder, "logger.csv");
+    has(&manifest, &["time = \"Time\"\ntime_unit = \"mdy\""]);
+    is_near(mode(&folder), 7.0, 0.02);
+}
