@@ -29,8 +29,8 @@ impl Problem<'_> {
     ///
     /// Sizes have a Cauchy density about the neutral value with the typical size as scale, so that larger
     /// orders of magnitude stay possible. Times, positions and phases are uniform; frequencies and orders
-    /// uniform in their logarithm; shapes uniform within their bounds, in the logarithm where these span a
-    /// decade. Keys have the width of their belief.
+    /// uniform in their logarithm, and so is the part of the motion that a border cuts off, from the deformation on;
+    /// shapes uniform within their bounds, in the logarithm where these span a decade. Keys have the width of their belief.
     pub fn prior_width(&self, point: &Point, global: Global) -> f64 {
         let root = TAU.sqrt();
         let Global::Parameter(term, index) = global else {
@@ -67,6 +67,12 @@ impl Problem<'_> {
                 each.map(|(from, to)| to - from).sum::<f64>() / root
             }
             ParameterRole::Position => self.scales.travel().max(typical) / root,
+            ParameterRole::Border => {
+                let (first, last) = self.scales.position;
+                let cut_off = (value - first).min(last - value).max(0.0);
+                let least = self.scales.deformation;
+                (least + cut_off) * (self.scales.travel() / least).ln_1p() / root
+            }
             ParameterRole::Phase => TAU / root,
             // The prior of the curve as a whole is in [`super::curves`].
             ParameterRole::Ordinate | ParameterRole::Range => typical,

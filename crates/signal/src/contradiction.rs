@@ -13,8 +13,9 @@ pub struct Contradiction {
 }
 
 impl Contradiction {
-    /// The first one of: a counter that begins again ([`Wrap`]), a link that moves another way or another distance than its motor side ([`StaticRatio`]), and a motor
-    /// side that follows its link ([`Direction`]). A gear between the two makes the second question meaningless.
+    /// The first one of: a counter that begins again ([`Wrap`]), a link that moves another way or another distance than its
+    /// motor side ([`StaticRatio`]), and a motor side that follows its link ([`Direction`]). A gear between the two makes the
+    /// last question meaningless.
     pub fn of(recording: &Recording) -> Option<Self> {
         if let Some(counter) = counter(recording) {
             return Some(counter);

@@ -79,7 +79,7 @@ pub const END_STOP: Effect = Effect {
         },
         Parameter {
             name: "position",
-            role: ParameterRole::Position,
+            role: ParameterRole::Border,
             quantity: Quantity::POSITION,
             bounds: |scales| {
                 let margin = 1.05 * reach(scales) - scales.travel();

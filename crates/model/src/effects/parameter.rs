@@ -151,6 +151,8 @@ pub enum ParameterRole {
     Time,
     /// Position at which it acts.
     Position,
+    /// Position of a border of the motion. A machine is kept clear of its borders, but nobody says how far.
+    Border,
     /// Angular frequency of a mode of its own.
     Frequency,
     /// Radians per unit of position.
