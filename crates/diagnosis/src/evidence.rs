@@ -35,11 +35,8 @@ use super::marginal::{Marginal, inverse};
 use super::point::{Global, Point};
 use super::problem::Problem;
 use super::shape::Corrections;
-use super::views::{Views, joined, local_sizes};
+use super::views::{Views, joined};
 use nalgebra::{DMatrix, DVector};
-
-/// Width of the prior of a recording's own unknowns (a clock's offset, its start), in typical sizes.
-const LOCAL: f64 = 10.0;
 
 /// Temperature of the evidence where only noise is left.
 ///
@@ -218,8 +215,7 @@ fn pull(problem: &Problem, fitted: &Fitted, count: usize) -> DVector<f64> {
 fn scale(problem: &Problem, point: &Point) -> (DMatrix<f64>, f64) {
     let globals = problem.globals(point);
     let shared = globals.iter().map(|g| problem.prior_width(point, *g));
-    let own = local_sizes(problem, point, &globals);
-    let all = shared.chain(own.into_iter().map(|size| LOCAL * size));
+    let all = shared.chain(problem.own_widths(point, &globals));
     let mut scale = DMatrix::from_diagonal(&DVector::from_vec(all.collect()));
     let mut whole = 0.0;
     for (index, term) in point

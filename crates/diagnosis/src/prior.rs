@@ -5,9 +5,11 @@
 //! parameter to a standard deviation `s` much less than `w` cost the effect `ln(w / s)`; data without
 //! information cost nothing.
 
+use super::held::{held_within, may_be_held};
 use super::point::{EffectAt, Global, Point};
 use super::problem::Problem;
 use super::screen::{Table, candidates};
+use quell_model::StartComponent;
 use quell_model::effects::ParameterRole;
 use quell_recording::Role;
 use std::f64::consts::{PI, TAU};
@@ -17,6 +19,9 @@ const ONE_MORE: f64 = -std::f64::consts::LN_2;
 
 /// Log of the prior odds, one in twenty, of a law that a sensor of this kind cannot have physically.
 const NOT_BY_ITSELF: f64 = -3.0;
+
+/// Width of the prior of a recording's own unknowns (a clock's offset, its start), in typical sizes.
+const LOCAL: f64 = 10.0;
 
 /// Whether a parameter is as likely in one octave of its range as in another.
 pub fn is_logarithmic(role: ParameterRole, (low, high): (f64, f64)) -> bool {
@@ -79,6 +84,35 @@ impl Problem<'_> {
             role if is_logarithmic(role, (low, high)) => decades(value),
             _ => (high - low) / root,
         }
+    }
+
+    /// Widths of the priors of every recording's own unknowns, its start and the clocks of its sensors.
+    ///
+    /// The deformation at which friction alone holds a link is uniform within what that friction deforms. With any other
+    /// width a law that sticks would cost more than one that creeps.
+    pub fn own_widths(&self, point: &Point, globals: &[Global]) -> Vec<f64> {
+        let of = |e: usize| {
+            let sizes = self.sizes(point, globals, e);
+            let own = sizes.iter().skip(globals.len()).map(|size| LOCAL * size);
+            let mut widths: Vec<f64> = own.collect();
+            if let Some(held) = self.held_within(point, e) {
+                let starts = widths.iter_mut().zip(self.starts(point, e));
+                let held_ones = starts.filter(|own| own.1.1 == StartComponent::Deformation);
+                held_ones.for_each(|(width, _)| *width = 2.0 * held / TAU.sqrt());
+            }
+            widths
+        };
+        (0..self.experiments.len()).flat_map(of).collect()
+    }
+
+    /// Half the band of deformations at which friction may hold the link at the start, if it is for that alone that the start is
+    /// free.
+    fn held_within(&self, point: &Point, e: usize) -> Option<f64> {
+        let experiment = &self.experiments[e];
+        let linear = (self.kind.linear)(&self.keys(point, e), experiment.input);
+        let alone = !self.departures.contains(&StartComponent::Deformation);
+        let is_held = alone && may_be_held(&linear, &point.terms);
+        is_held.then(|| held_within(&linear, &point.terms, experiment.initial[0]))
     }
 
     /// Log of the prior probability of a structure, relative to that of the given model: each effect could be
