@@ -200,7 +200,7 @@ fn everything_tried_is_finite_and_seen() {
             );
             // At a corner of their bounds a further mode, and a stop in which the whole motion lies, are faster than
             // this grid. A model refines it for a mode; a fit turns back from a motion that diverges.
-            let is_stop = effect.index(ParameterRole::Position).is_some();
+            let is_stop = effect.index(ParameterRole::Border).is_some();
             let fast = (resonance || is_stop) && !tried;
             assert!(change.is_finite() || fast, "{what}");
             // What happens after the last move need not be seen.
