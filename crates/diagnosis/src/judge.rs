@@ -6,6 +6,7 @@ use super::fit::Fitted;
 use super::point::Point;
 use super::problem::{Problem, Responses, Rows};
 use super::projector::Projector;
+use super::rounding::rounding;
 use super::split;
 use super::start::ringing;
 use nalgebra::DVector;
@@ -27,6 +28,8 @@ pub struct Judge<'a> {
     pub train_rows: usize,
     /// Number of held-out rows.
     pub held_out_rows: usize,
+    /// Chi-squared that rounding may add to the held-out rows.
+    pub rounding: f64,
     /// Components of the start that are free in the recordings kept apart; `None` until that is decided.
     starts: Option<Vec<StartComponent>>,
     /// Responses of the recordings kept apart to rounding at rest.
@@ -46,6 +49,7 @@ impl<'a> Judge<'a> {
             data,
             train_rows: count(&problem.rows),
             held_out_rows: count(&data.held_out) + apart,
+            rounding: rounding(&data.experiments, &data.held_out),
             starts: None,
             rounding_apart: Arc::default(),
         };

@@ -71,6 +71,7 @@ mod range;
 mod refitted;
 mod remarks;
 mod residual_of;
+mod rounding;
 mod rounding_at_rest;
 mod run;
 mod run_of;

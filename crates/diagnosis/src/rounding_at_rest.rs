@@ -17,6 +17,7 @@ use super::input_error::levels;
 use super::noise::rounding;
 use super::point::Point;
 use super::problem::{Problem, Responses, Rows};
+use super::spread::spread;
 use nalgebra::{DMatrix, DVector};
 use quell_model::InputError;
 use quell_signal::Rounding;
@@ -35,7 +36,7 @@ impl Problem<'_> {
         let all = 0..self.experiments.len();
         all.map(|e| {
             let mut responses = self.responses_to_input(point, e);
-            responses.extend(self.errors_of_outputs(e));
+            responses.extend(self.errors_of_outputs(point, e));
             responses
         })
         .collect()
@@ -64,8 +65,12 @@ impl Problem<'_> {
     }
 
     /// Errors of every output in each of its rests; none where its noise averages the rounding out.
-    fn errors_of_outputs(&self, e: usize) -> Responses {
+    ///
+    /// They are told in units of the residual where that is above the noise: what is left is then the model's error, beside
+    /// which the rounding of a rest is as small as that of a sample.
+    fn errors_of_outputs(&self, point: &Point, e: usize) -> Responses {
         let outputs = &self.experiments[e].outputs;
+        let left = self.explained(point, e);
         let zeros: Vec<Vec<f64>> = outputs.iter().map(|o| vec![0.0; o.values.len()]).collect();
         let mut errors = Vec::new();
         for (index, output) in outputs.iter().enumerate() {
@@ -73,7 +78,8 @@ impl Problem<'_> {
             let Some(sensor) = Rounding::of(rounding(output) * 12f64.sqrt(), level) else {
                 continue;
             };
-            let error = sensor.mean_error();
+            let above = (spread(&left[index]) / level).max(1.0);
+            let error = sensor.mean_error() / above;
             if error * error * output.values.len() as f64 <= NONE * level * level {
                 continue;
             }
