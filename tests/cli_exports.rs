@@ -1,9 +1,11 @@
 //! CSV files as drives, scopes, robots and laboratory programs export them.
 
-use assert_cmd::Command;
+mod verb;
+
 use serde_json::Value;
 use std::f64::consts::{PI, TAU};
 use tempfile::TempDir;
+use verb::{has, quell};
 
 /// Instants a second.
 const RATE: f64 = 500.0;
@@ -56,17 +58,6 @@ fn written(name: &str, lines: impl IntoIterator<Item = String>) -> TempDir {
     folder
 }
 
-fn quell(folder: &TempDir, arguments: &[&str]) -> (String, String) {
-    let mut command = Command::cargo_bin("quell").unwrap();
-    let output = command
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (text(output.stdout), text(output.stderr))
-}
-
 /// What is told of a file, and the manifest proposed for it.
 fn proposed(folder: &TempDir, name: &str) -> (String, String) {
     let told = quell(folder, &["inspect", name]).0;
@@ -95,12 +86,6 @@ fn is_near(found: (f64, f64), hertz: f64, ratio: f64) {
         (found.1 / ratio - 1.0).abs() < 0.1,
         "{found:?}, not {ratio}"
     );
-}
-
-fn has(text: &str, words: &[&str]) {
-    for own in words {
-        assert!(text.contains(own), "{own:?} is not in {text}");
-    }
 }
 
 #[test]

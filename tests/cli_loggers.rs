@@ -1,10 +1,12 @@
 //! CSV files as loggers write them: rows of units, clocks that begin again or repeat, axes in any order.
 
-use assert_cmd::Command;
+mod verb;
+
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use tempfile::TempDir;
+use verb::{has, quell};
 
 /// A decay of 8 Hz with a damping ratio of 0.02 after a rest of a second.
 fn decay(hertz: f64, time: f64) -> f64 {
@@ -26,27 +28,10 @@ fn file(name: &str, header: &str, row: impl Fn(f64) -> String) -> TempDir {
     folder
 }
 
-fn quell(folder: &TempDir, arguments: &[&str]) -> (String, String) {
-    let mut command = Command::cargo_bin("quell").unwrap();
-    let output = command
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (text(output.stdout), text(output.stderr))
-}
-
 /// The proposed manifest.
 fn proposed(folder: &TempDir, name: &str) -> String {
     quell(folder, &["inspect", name]);
     std::fs::read_to_string(folder.path().join("recording.toml")).unwrap()
-}
-
-fn has(text: &str, words: &[&str]) {
-    for own in words {
-        assert!(text.contains(own), "{own:?} is not in {text}");
-    }
 }
 
 #[test]

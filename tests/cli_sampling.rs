@@ -1,10 +1,12 @@
 //! What sampling does to a vibration: modes above the range, images, counters that begin again, rounding.
 
-use assert_cmd::Command;
+mod verb;
+
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use tempfile::TempDir;
+use verb::{has, quell};
 
 /// Steps of the simulation a second.
 const STEPS: f64 = 50_000.0;
@@ -52,23 +54,6 @@ fn written(head: &str, rows: impl Iterator<Item = String>) -> TempDir {
     }
     std::fs::write(folder.path().join("run.csv"), text).unwrap();
     folder
-}
-
-fn quell(folder: &TempDir, arguments: &[&str]) -> (String, String) {
-    let mut command = Command::cargo_bin("quell").unwrap();
-    let output = command
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (text(output.stdout), text(output.stderr))
-}
-
-fn has(text: &str, words: &[&str]) {
-    for own in words {
-        assert!(text.contains(own), "{own:?} is not in {text}");
-    }
 }
 
 #[test]

@@ -161,14 +161,18 @@ fn with_motion(all: Option<Whitening>, rest: Whitening) -> Whitening {
     all.filter(is_same).unwrap_or(rest)
 }
 
-/// Noise of a sensor by rounding: `q / sqrt 12`. `q` is the step of its changes or, if it shows a few values
-/// only, the least distance between these. 0 without rounding.
+/// Noise of a sensor by rounding: `q / sqrt 12`, 0 without rounding.
 pub fn rounding(output: &Output) -> f64 {
+    step(output).map_or(0.0, |step| step / 12f64.sqrt())
+}
+
+/// The step `q` to which a sensor rounds: that of its changes or, if it shows a few values only, the least distance between
+/// these.
+pub fn step(output: &Output) -> Option<f64> {
     let step = output
         .coordinate_step
         .or_else(|| noise_floor(&output.values).quantisation);
-    let step = step.or_else(|| least_increment(&output.values));
-    step.map_or(0.0, |step| step / 12f64.sqrt())
+    step.or_else(|| least_increment(&output.values))
 }
 
 /// Most distinct values whose distances are taken for steps: eight values are on such a grid by chance once in

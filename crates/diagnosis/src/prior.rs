@@ -5,7 +5,7 @@
 //! parameter to a standard deviation `s` much less than `w` cost the effect `ln(w / s)`; data without
 //! information cost nothing.
 
-use super::held::{held_within, may_be_held};
+use super::held::held_within;
 use super::point::{EffectAt, Global, Point};
 use super::problem::Problem;
 use super::screen::{Table, candidates};
@@ -95,7 +95,11 @@ impl Problem<'_> {
             let sizes = self.sizes(point, globals, e);
             let own = sizes.iter().skip(globals.len()).map(|size| LOCAL * size);
             let mut widths: Vec<f64> = own.collect();
-            if let Some(held) = self.held_within(point, e) {
+            // Where the start is free without friction, it is not for friction.
+            if !self.departures.contains(&StartComponent::Deformation) {
+                let experiment = &self.experiments[e];
+                let linear = (self.kind.linear)(&self.keys(point, e), experiment.input);
+                let held = held_within(&linear, &point.terms, experiment.initial[0]);
                 let starts = widths.iter_mut().zip(self.starts(point, e));
                 let held_ones = starts.filter(|own| own.1.1 == StartComponent::Deformation);
                 held_ones.for_each(|(width, _)| *width = 2.0 * held / TAU.sqrt());
@@ -103,16 +107,6 @@ impl Problem<'_> {
             widths
         };
         (0..self.experiments.len()).flat_map(of).collect()
-    }
-
-    /// Half the band of deformations at which friction may hold the link at the start, if it is for that alone that the start is
-    /// free.
-    fn held_within(&self, point: &Point, e: usize) -> Option<f64> {
-        let experiment = &self.experiments[e];
-        let linear = (self.kind.linear)(&self.keys(point, e), experiment.input);
-        let alone = !self.departures.contains(&StartComponent::Deformation);
-        let is_held = alone && may_be_held(&linear, &point.terms);
-        is_held.then(|| held_within(&linear, &point.terms, experiment.initial[0]))
     }
 
     /// Log of the prior probability of a structure, relative to that of the given model: each effect could be

@@ -4,7 +4,7 @@
 
 use super::problem::Rows;
 use quell_model::Experiment;
-use quell_signal::noise_floor;
+use quell_signal::{Rounding, noise_floor};
 
 /// Chi-squared that chance may add to held-out rows of sensors that round: twice its standard deviation. At
 /// rest the error is constant, uniformly distributed over a step. Its square, relative to the mean, has a
@@ -13,27 +13,15 @@ pub fn rounding(experiments: &[Experiment], rows: &[Vec<Rows>]) -> f64 {
     let mut squares = 0.0;
     for (experiment, rows) in experiments.iter().zip(rows) {
         for (output, ranges) in experiment.outputs.iter().zip(rows) {
-            let Some(step) = noise_floor(&output.values).quantisation else {
+            let step = noise_floor(&output.values).quantisation;
+            let Some(sensor) = step.and_then(|step| Rounding::of(step, 0.0)) else {
                 continue;
             };
             for range in ranges {
-                squares += rests(&output.values[range.clone()], step);
+                let rests = sensor.rests(&output.values[range.clone()]).into_iter();
+                squares += rests.map(|rest| (rest.len() as f64).powi(2)).sum::<f64>();
             }
         }
     }
     2.0 * (0.8 * squares).sqrt()
-}
-
-/// Sum of the squared lengths of the stretches in which values stay within one and a half steps: half a step allows
-/// for rounding of the differences.
-fn rests(values: &[f64], step: f64) -> f64 {
-    let (mut sum, mut start) = (0.0, 0);
-    for k in 1..=values.len() {
-        let rests = k < values.len() && (values[k] - values[start]).abs() < 1.5 * step;
-        if !rests {
-            sum += ((k - start) as f64).powi(2);
-            start = k;
-        }
-    }
-    sum
 }

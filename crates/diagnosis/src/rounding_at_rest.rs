@@ -2,8 +2,8 @@
 //!
 //! While a sensor rests, the mean error of its samples is one number ([`Rounding`]). A sensor of the output adds it to the
 //! samples of that rest. An encoder that is the input has no noise; the simulation carries its error into every sample of the
-//! rest and into the ringing at both ends of it. Let the columns of `B` be the responses of the whitened rows to errors of one standard
-//! deviation, one column for each rest, and `B = U D V'`. The covariance of the rows is then `I + B B'`, and
+//! rest and into the ringing at both ends of it. Let the columns of `B` be the responses of the whitened rows to errors of
+//! one standard deviation, one column for each rest, and `B = U D V'`. The covariance of the rows is then `I + B B'`, and
 //!
 //! ```text
 //! (I + B B')^-1/2 = I - U (1 - (1 + D^2)^-1/2) U'
@@ -14,7 +14,7 @@
 //! Source: Aitken, Proc. Royal Society of Edinburgh 55 (1935), for least squares with a covariance.
 
 use super::input_error::levels;
-use super::noise::rounding;
+use super::noise::step;
 use super::point::Point;
 use super::problem::{Problem, Responses, Rows};
 use super::spread::spread;
@@ -35,14 +35,16 @@ impl Problem<'_> {
     pub fn responses_to_rounding(&self, point: &Point) -> Vec<Responses> {
         let all = 0..self.experiments.len();
         all.map(|e| {
-            let mut responses = self.responses_to_input(point, e);
-            responses.extend(self.errors_of_outputs(point, e));
+            let here = self.run(point, e).residuals;
+            let mut responses = self.responses_to_input((point, &here), e);
+            responses.extend(self.errors_of_outputs(here, e));
             responses
         })
         .collect()
     }
 
-    fn responses_to_input(&self, point: &Point, e: usize) -> Responses {
+    /// Responses to the rounding of the input in each of its rests, about a point with the residuals `here`.
+    fn responses_to_input(&self, (point, here): (&Point, &[Vec<f64>]), e: usize) -> Responses {
         let experiment = &self.experiments[e];
         let InputError::Rounding(step) = InputError::of(experiment) else {
             return Vec::new();
@@ -53,13 +55,12 @@ impl Problem<'_> {
         }
         let (time, values) = (&experiment.input_time, &experiment.input_values);
         let rests = self.longest(time, levels(values, step)).into_iter();
-        let here = self.run(point, e).residuals;
         let response = |rest: Range<usize>| {
             let mut other = values.clone();
             for value in &mut other[rest] {
                 *value += step / 12f64.sqrt();
             }
-            self.response_to_input((point, &here), e, other)
+            self.response_to_input((point, here), e, other)
         };
         rests.map(response).collect()
     }
@@ -68,14 +69,15 @@ impl Problem<'_> {
     ///
     /// They are told in units of the residual where that is above the noise: what is left is then the model's error, beside
     /// which the rounding of a rest is as small as that of a sample.
-    fn errors_of_outputs(&self, point: &Point, e: usize) -> Responses {
+    fn errors_of_outputs(&self, here: Vec<Vec<f64>>, e: usize) -> Responses {
         let outputs = &self.experiments[e].outputs;
-        let left = self.explained(point, e);
+        let left = self.without_nuisances(e, here);
         let zeros: Vec<Vec<f64>> = outputs.iter().map(|o| vec![0.0; o.values.len()]).collect();
         let mut errors = Vec::new();
         for (index, output) in outputs.iter().enumerate() {
             let level = self.sensor_noise[e][index].deviation;
-            let Some(sensor) = Rounding::of(rounding(output) * 12f64.sqrt(), level) else {
+            let sensor = step(output).and_then(|step| Rounding::of(step, level));
+            let Some(sensor) = sensor else {
                 continue;
             };
             let above = (spread(&left[index]) / level).max(1.0);

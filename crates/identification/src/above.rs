@@ -1,15 +1,12 @@
 //! A mode above the frequencies that the motor side's motion can tell: free decays in its rests show one up to half the rate.
 
-use super::output_only::{Excitation, Vibration, output_only_within};
+use super::output_only::{Excitation, Vibration, are_even, output_only_within};
 use super::stop::Stop;
 use super::{Identification, IdentificationError, Searched, stretches};
 use core::f64::consts::PI;
 use quell_control::estimators::{Sample, Settings};
 use quell_recording::Role;
 use quell_shapers::Mode;
-
-/// Largest distance of a sample from an even clock, as a share of its period, as for an output alone.
-const BESIDE: f64 = 0.1;
 
 /// The share of the range from which on a mode is at its end.
 const END: f64 = 0.9;
@@ -55,13 +52,7 @@ pub(super) fn unless_above(
 /// The strongest mode of the rests, if it is at the end of the range or above.
 fn above(samples: &[Sample], searched: &Searched, stop: Stop) -> Option<Mode> {
     let (first, period) = (samples.first()?.time, searched.sample_time);
-    let off = |(k, sample): (usize, &Sample)| (sample.time - first) / period - k as f64;
-    if !samples
-        .iter()
-        .enumerate()
-        .map(off)
-        .all(|off| off.abs() < BESIDE)
-    {
+    if !are_even(samples.iter().map(|sample| sample.time), [first, period]) {
         return None;
     }
     let settings = Settings::within((END * searched.to, PI / period), period);

@@ -190,6 +190,12 @@ struct Grid {
     is_even: bool,
 }
 
+/// Whether stamps are those of an even clock of this start and period, s, as nearly as it matters.
+pub fn are_even(stamps: impl Iterator<Item = f64>, [start, period]: [f64; 2]) -> bool {
+    let off = |(k, stamp): (usize, f64)| (stamp - start - k as f64 * period).abs() / period;
+    stamps.enumerate().map(off).fold(0.0, f64::max) <= BESIDE
+}
+
 /// The grid for stamps of this median period.
 fn grid(stamps: &[f64], middle: f64, missing: bool) -> Grid {
     let samples = stamps.len();
@@ -198,8 +204,7 @@ fn grid(stamps: &[f64], middle: f64, missing: bool) -> Grid {
         1 => middle,
         _ => (stamps[samples - 1] - start) / (samples - 1) as f64,
     };
-    let off = |(k, stamp): (usize, &f64)| (stamp - start - k as f64 * period).abs() / period;
-    let is_even = stamps.iter().enumerate().map(off).fold(0.0, f64::max) <= BESIDE;
+    let is_even = are_even(stamps.iter().copied(), [start, period]);
     if let Some([start, period]) = rounded(stamps).filter(|_| !is_even) {
         let is_even = true;
         return Grid {
