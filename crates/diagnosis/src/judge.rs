@@ -6,7 +6,6 @@ use super::fit::Fitted;
 use super::point::Point;
 use super::problem::{Problem, Responses, Rows};
 use super::projector::Projector;
-use super::rounding::rounding;
 use super::split;
 use super::start::ringing;
 use nalgebra::DVector;
@@ -28,12 +27,10 @@ pub struct Judge<'a> {
     pub train_rows: usize,
     /// Number of held-out rows.
     pub held_out_rows: usize,
-    /// Chi-squared that rounding may add to the held-out rows.
-    pub rounding: f64,
     /// Components of the start that are free in the recordings kept apart; `None` until that is decided.
     starts: Option<Vec<StartComponent>>,
     /// Responses of the recordings kept apart to rounding at rest.
-    rounding_apart: Arc<Vec<Responses>>,
+    pub rounding_apart: Arc<Vec<Responses>>,
 }
 
 impl<'a> Judge<'a> {
@@ -49,7 +46,6 @@ impl<'a> Judge<'a> {
             data,
             train_rows: count(&problem.rows),
             held_out_rows: count(&data.held_out) + apart,
-            rounding: rounding(&data.experiments, &data.held_out),
             starts: None,
             rounding_apart: Arc::default(),
         };
@@ -61,6 +57,15 @@ impl<'a> Judge<'a> {
             judge.starts = Some(apart.departures);
         }
         judge
+    }
+
+    /// Sets the rounding at rest of the recordings kept apart from a better model.
+    pub fn round_again(&mut self, problem: &Problem, point: &Point) {
+        if self.data.apart.is_empty() {
+            return;
+        }
+        let (apart, fitted) = self.apart(problem, point);
+        self.rounding_apart = Arc::new(apart.responses_to_rounding(&fitted.point));
     }
 
     /// Appends the whitened residuals of the held-out rows of a recording. Clock, offset and frame are those of

@@ -17,14 +17,14 @@ const CHANCE: f64 = 3.0;
 
 impl Judge<'_> {
     /// Whether the residual of an explanation is noise. Possible errors of its laws' shapes are allowed for in
-    /// the fitted rows; errors of the fit and rounding at rest in the held-out rows. An explanation may be uncertain enough
+    /// the fitted rows; errors of the fit in the held-out rows. An explanation may be uncertain enough
     /// there to allow for anything, as a law over the position in a move that passes each position once, so its residual there
     /// must be no certain mismatch either.
     pub fn leaves_noise(&self, own: &Explanation) -> bool {
         let beyond = own.evidence.held_out_beyond_fit();
         self.fits_to_noise(own)
-            && beyond <= most_of_noise(self.held_out_rows) + self.rounding
-            && own.held_out <= times_noise(CERTAIN, self.held_out_rows) + self.rounding
+            && beyond <= most_of_noise(self.held_out_rows)
+            && own.held_out <= times_noise(CERTAIN, self.held_out_rows)
     }
 
     /// Whether an explanation leaves only noise of the rows that were fitted.

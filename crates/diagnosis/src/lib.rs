@@ -71,7 +71,6 @@ mod range;
 mod refitted;
 mod remarks;
 mod residual_of;
-mod rounding;
 mod rounding_at_rest;
 mod run;
 mod run_of;

@@ -29,7 +29,7 @@ const UNSEEN: f64 = 0.2;
 pub fn searched_in_long_steps(
     problem: &mut Problem,
     projector: &mut Projector,
-    judge: &Judge,
+    judge: &mut Judge,
     baseline: &Explanation,
     told: (&Known, Progress),
 ) -> Option<Pool> {
@@ -43,12 +43,14 @@ pub fn searched_in_long_steps(
         experiments: &long.experiments,
         ..problem.clone()
     };
-    let other = Judge::new(judge.model, &long, &own, point);
+    let mut other = Judge::new(judge.model, &long, &own, point);
     let fitted = own.fit(point, projector, LONG);
     let first = other.judge(&own, projector, fitted);
-    let pool = settled(&mut own, projector, &other, Pool::new(first), told);
+    let pool = settled(&mut own, projector, &mut other, Pool::new(first), told);
     problem.sensor_noise = own.sensor_noise;
     (problem.noise, problem.whitening) = (own.noise, own.whitening);
+    problem.rounding_at_rest = own.rounding_at_rest;
+    judge.rounding_apart = other.rounding_apart;
     Some(match problem.is_cut() {
         // It is fitted again where the search ends.
         true => pool,

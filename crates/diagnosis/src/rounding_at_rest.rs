@@ -14,7 +14,7 @@
 //! Source: Aitken, Proc. Royal Society of Edinburgh 55 (1935), for least squares with a covariance.
 
 use super::input_error::levels;
-use super::noise::step;
+use super::noise::{LOUDER, step};
 use super::point::Point;
 use super::problem::{Problem, Responses, Rows};
 use super::spread::spread;
@@ -22,6 +22,7 @@ use nalgebra::{DMatrix, DVector};
 use quell_model::InputError;
 use quell_signal::Rounding;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Variance of a direction, relative to the noise, below which it is ignored: chi-squared is then too large by
 /// as much.
@@ -31,6 +32,30 @@ const NONE: f64 = 1e-3;
 const MOST: usize = 64;
 
 impl Problem<'_> {
+    /// Sets the responses from a better model, if a column differs from the present one by more than chance: beside the error
+    /// of a model rounding hardly counted. Returns whether one does.
+    pub fn round_again(&mut self, point: &Point) -> bool {
+        let found = self.responses_to_rounding(point);
+        let sizes = |of: &[Responses]| -> Vec<f64> {
+            let columns = of.iter().flatten();
+            let squares =
+                |column: &Vec<Vec<f64>>| column.iter().flatten().map(|value| value * value).sum();
+            columns.map(squares).collect()
+        };
+        let (old, new) = (sizes(&self.rounding_at_rest), sizes(&found));
+        let ratio = |(old, new): (&f64, &f64)| (old / new).max(new / old);
+        let differs = old.len() != new.len()
+            || old
+                .iter()
+                .zip(&new)
+                .map(ratio)
+                .any(|ratio| ratio > LOUDER * LOUDER);
+        if differs {
+            self.rounding_at_rest = Arc::new(found);
+        }
+        differs
+    }
+
     /// Responses of every experiment to its rounding at rest, about a point.
     pub fn responses_to_rounding(&self, point: &Point) -> Vec<Responses> {
         let all = 0..self.experiments.len();

@@ -116,7 +116,7 @@ fn investigate(
     problem.catalogue = options.catalogue;
     let (fitted, mut projector) = baseline(start, &mut problem);
     options.stop.check()?;
-    let judge = Judge::new(model, data, &problem, &fitted.point);
+    let mut judge = Judge::new(model, data, &problem, &fitted.point);
     let untold = Untold::of(model, &problem, &fitted.point, &judge);
     let baseline: Explanation = judge.judge(&problem, &projector, fitted);
     let unresonant = NoResonance::of(model, data, &problem, (&baseline, &judge));
@@ -133,16 +133,16 @@ fn investigate(
         Some(_) => Pool::new(baseline),
         None => {
             let own = (&mut problem, &mut projector);
-            let pool = searched_in_long_steps(own.0, own.1, &judge, &baseline, told);
+            let pool = searched_in_long_steps(own.0, own.1, &mut judge, &baseline, told);
             let pool = pool.unwrap_or_else(|| Pool::new(baseline));
-            settled(&mut problem, &mut projector, &judge, pool, told)
+            settled(&mut problem, &mut projector, &mut judge, pool, told)
         }
     };
     let cut = problem.is_cut();
     // What is told is fitted to its end.
     problem.enough = Stop::default();
     if cut {
-        pool = finished(&mut problem, &mut projector, &judge, &pool, told);
+        pool = finished(&mut problem, &mut projector, &mut judge, &pool, told);
     }
     pool.is_unfinished |= cut;
     let search = search(&problem, &projector, &judge, told);

@@ -5,13 +5,14 @@ use super::candidate::Known;
 use super::descent::Descent;
 use super::judge::Judge;
 use super::outcome::Progress;
+use super::point::Point;
 use super::pool::Pool;
 use super::problem::Problem;
 use super::projector::Projector;
 use super::screen::Table;
 use super::search::Search;
 use super::thresholds::LONG;
-use super::weights::measured_again;
+use super::weights;
 
 /// Most times that the noise is measured again: with one effect in the model, and with all.
 const AGAIN: usize = 3;
@@ -20,7 +21,7 @@ const AGAIN: usize = 3;
 pub fn settled(
     problem: &mut Problem,
     projector: &mut Projector,
-    judge: &Judge,
+    judge: &mut Judge,
     mut pool: Pool,
     told: (&Known, Progress),
 ) -> Pool {
@@ -51,12 +52,12 @@ pub fn settled(
 pub fn finished(
     problem: &mut Problem,
     projector: &mut Projector,
-    judge: &Judge,
+    judge: &mut Judge,
     pool: &Pool,
     told: (&Known, Progress),
 ) -> Pool {
     let best = problem.fit(&pool.best(judge).fitted.point, projector, LONG);
-    if measured_again(problem, &best.point) {
+    if measured_again(problem, judge, &best.point) {
         *projector = Projector::new(problem);
     }
     search(problem, projector, judge, told).converged(pool)
@@ -66,16 +67,26 @@ pub fn finished(
 fn with_noise_of_best(
     problem: &mut Problem,
     projector: &mut Projector,
-    judge: &Judge,
+    judge: &mut Judge,
     pool: &Pool,
     told: (&Known, Progress),
 ) -> Option<Pool> {
-    let best = pool.best(judge);
-    if !measured_again(problem, &best.fitted.point) {
+    let best = pool.best(judge).fitted.point.clone();
+    if !measured_again(problem, judge, &best) {
         return None;
     }
     *projector = Projector::new(problem);
     Some(search(problem, projector, judge, told).fitted_again(pool))
+}
+
+/// Measures the noise and the rounding at rest with a better model. Returns whether either differs from the present one.
+fn measured_again(problem: &mut Problem, judge: &mut Judge, point: &Point) -> bool {
+    let noise = weights::measured_again(problem, point);
+    let rounding = problem.round_again(point);
+    if rounding {
+        judge.round_again(problem, point);
+    }
+    noise || rounding
 }
 
 impl Search<'_> {
