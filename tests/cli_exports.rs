@@ -341,3 +341,272 @@ fn the_time_may_stand_beside_what_an_instrument_tells_of_itself() {
     has(&manifest, &["time = \"Time\"\ntime_unit = \"mdy\""]);
     is_near(mode(&folder), 7.0, 0.02);
 }
+
+/// A comma as the decimal mark.
+fn comma(value: f64) -> String {
+    format!("{value:.5}").replace('.', ",")
+}
+
+/// A joint's export with these lines above its rows: the mode that is identified in the proposed recording is its own.
+fn is_read(name: &str, head: &str, row: impl Fn([f64; 3]) -> String, words: &[&str]) {
+    let lines = head.lines().map(String::from);
+    let folder = written(name, lines.chain(joint().into_iter().map(row)));
+    let (_, manifest) = proposed(&folder, name);
+    has(&manifest, words);
+    is_near(mode(&folder), MODE.0, MODE.1);
+}
+
+#[test]
+fn units_in_brackets_may_be_german_or_counts_of_a_revolution() {
+    is_read(
+        "messung.csv",
+        "Zeit [s];Motorwinkel [Grad];Abtriebswinkel [Grad]",
+        |[t, u, y]| format!("{};{};{}", comma(t), comma(40.0 * u), comma(40.0 * y)),
+        &["column = \"Motorwinkel [Grad]\"\nunit = \"deg\""],
+    );
+    is_read(
+        "counts.csv",
+        "t [s],motor pos [4096/rev],load pos [4096/rev]",
+        |[t, u, y]| format!("{t:.3},{:.0},{:.0}", 12288.0 * u, 12288.0 * y),
+        &["unit = \"rev\"\nscale = 0.000244140625  # 4096 counts a revolution"],
+    );
+    is_read(
+        "drive.csv",
+        "Time [ms];Motor position [deg];Load position [deg];Actual torque [%]",
+        |[t, u, y]| format!("{:.0};{u:.6};{y:.6};{:.4}", 1e3 * t, 30.0 * (y - u)),
+        &["for N.m write unit = \"N.m\" and scale = the nominal value in N.m / 100"],
+    );
+}
+
+#[test]
+fn names_of_drives_are_known_by_their_standard_or_their_language() {
+    is_read(
+        "antrieb.csv",
+        "Zeit [ms];Drehzahlistwert [1/min];Drehzahlsollwert [1/min];Lageistwert Motor [°];Lageistwert Last [°]",
+        |[t, u, y]| {
+            format!(
+                "{};0;{};{};{}",
+                comma(1e3 * t),
+                comma(t.sin()),
+                comma(40.0 * u),
+                comma(40.0 * y)
+            )
+        },
+        &[
+            "role = \"motor_velocity\"  # guessed: by the name \"Drehzahlistwert [1/min]\"",
+            "unit = \"rpm\"",
+            "role = \"link_position\"  # guessed: by the name \"Lageistwert Last [°]\"",
+            "not used: Drehzahlsollwert",
+        ],
+    );
+    // IndraWorks: the second encoder of a SERCOS drive is external.
+    is_read(
+        "oszilloskop.csv",
+        "IndraWorks Oszilloskop\nDatum;12.03.2024\nAbtastzeit [us];2000\n\nZeit [ms];S-0-0051, Lageistwert Geber 1 [Grd];S-0-0053, \
+         Lageistwert Geber 2 [Grd];S-0-0084, Drehmoment-/Kraft-Istwert [%]",
+        |[t, u, y]| {
+            format!(
+                "{};{};{};{}",
+                comma(1e3 * t),
+                comma(40.0 * u),
+                comma(40.0 * y),
+                comma(y - u)
+            )
+        },
+        &[
+            "role = \"motor_position\"\nfile = \"oszilloskop.csv\"\ntime = \"Zeit [ms]\"\ntime_unit = \"ms\"\ncolumn = \"S-0-0051",
+            "role = \"link_position\"\nfile = \"oszilloskop.csv\"\ntime = \"Zeit [ms]\"\ntime_unit = \"ms\"\ncolumn = \"S-0-0053",
+        ],
+    );
+    // ODrive: of one axis with an accelerometer; two axes are two joints.
+    is_read(
+        "odrive.csv",
+        "time,axis0.encoder.pos_estimate,axis0.controller.input_pos,link_position [rev]",
+        |[t, u, y]| format!("{t:.3},{u:.6},{u:.6},{y:.6}"),
+        &[
+            "role = \"motor_position\"\n",
+            "unit = \"rev\"  # guessed: ODrive",
+            "role = \"command_position\"\n",
+        ],
+    );
+    let head =
+        "time,axis0.encoder.pos_estimate,axis0.encoder.vel_estimate,axis1.encoder.pos_estimate";
+    let row = |[t, u, y]: [f64; 3]| format!("{t:.3},{u:.6},0.1,{y:.6}");
+    let lines = std::iter::once(head.to_string()).chain(joint().into_iter().map(row));
+    let (_, manifest) = proposed(&written("odrive.csv", lines), "odrive.csv");
+    has(
+        &manifest,
+        &["joint = \"0\"", "joint = \"1\"", "unit = \"rev/s\""],
+    );
+    // Startdrive: a number in brackets is an index, and no unit.
+    let head = "Trace;Drive_1\nTime;r61[0] Actual speed value;r482[0] Encoder actual position value\nms;rpm;-";
+    let row = |[t, u, _]: [f64; 3]| format!("{:.0};{u:.4};{:.0}", 1e3 * t, 4e5 * u);
+    let lines = head
+        .lines()
+        .map(String::from)
+        .chain(joint().into_iter().map(row));
+    let (_, manifest) = proposed(&written("trace.csv", lines), "trace.csv");
+    has(
+        &manifest,
+        &[
+            "unit = \"rpm\"",
+            "unit = \"raw\"  # guessed: no unit in its name",
+        ],
+    );
+}
+
+#[test]
+fn lines_of_names_and_of_units_may_stand_in_a_block_above_the_numbers() {
+    let rad = |[t, u, y]: [f64; 3]| format!(",{t:.3},{u:.6},{y:.6}");
+    // TwinCAT Scope and dSPACE ControlDesk.
+    is_read(
+        "scope.csv",
+        "TwinCAT Measurement Scope Export\nStartTime;133589520000000000\n\nName;Time;Axis 1.ActPos;Axis 1.LoadEnc\n\
+         Unit;ms;°;°\nAms;;5.24.1.1.1.1;5.24.1.1.1.1\nPort;;851;851\n",
+        |[t, u, y]| {
+            format!(
+                ";{};{};{}",
+                comma(1e3 * t),
+                comma(40.0 * u),
+                comma(40.0 * y)
+            )
+        },
+        &["time_unit = \"ms\"\ncolumn = \"3\"  # Axis 1.ActPos [°]\nunit = \"deg\""],
+    );
+    is_read(
+        "desk.csv",
+        "ControlDesk Export\n\"date\",\"2024-05-01\"\npath,,Model Root/theta_m/Out1,Model Root/theta_l/Out1\nunit,s,rad,rad\n\
+         name,XAxis,theta_m,theta_l\ntrace_values,,,",
+        rad,
+        &["time = \"2\"\ncolumn = \"3\"", "unit = \"rad\""],
+    );
+}
+
+#[test]
+fn a_path_is_no_comment_and_its_unit_stands_in_the_last_brackets() {
+    // TDMS, with the paths of its channels.
+    let row = |k: i32| {
+        let t = f64::from(k) / 2000.0;
+        format!("{t:.4},{:.6}", tap(37.0, 0.015, t))
+    };
+    let head = "/'Measured Data'/'Time',/'Measured Data'/'cDAQ1Mod1/ai0 Accel X (g)'";
+    let lines = std::iter::once(head.to_string()).chain((0..6000).map(row));
+    let folder = written("tdms.csv", lines);
+    let (_, manifest) = proposed(&folder, "tdms.csv");
+    has(
+        &manifest,
+        &["time = \"/'Measured Data'/'Time'\"", "unit = \"g\""],
+    );
+    assert!(!manifest.contains("comment"), "{manifest}");
+    is_near(mode(&folder), 37.0, 0.015);
+    // Foxglove: rows of several topics, each with columns of its own, or with the same one.
+    let row = |[t, u, y]: [f64; 3]| {
+        let t = 1_714_554_842.3 + t;
+        format!(
+            "/motor/state,{t:.6},{u:.6},\n/imu/data,{:.6},,{:.6}",
+            t + 3e-4,
+            y - u
+        )
+    };
+    let head = "topic,timestamp,motor_position,linear_acceleration.x".to_string();
+    let folder = written(
+        "run.csv",
+        std::iter::once(head).chain(joint().into_iter().map(row)),
+    );
+    proposed(&folder, "run.csv");
+    is_near(mode(&folder), MODE.0, MODE.1);
+    let row = |[t, u, y]: [f64; 3]| format!("/motor,{t:.4},{u:.6}\n/link,{:.4},{y:.6}", t + 3e-4);
+    let head = "topic,receive_time,position".to_string();
+    let folder = written(
+        "run.csv",
+        std::iter::once(head).chain(joint().into_iter().map(row)),
+    );
+    let (told, manifest) = proposed(&folder, "run.csv");
+    has(
+        &told,
+        &[
+            "\"topic\" has /link, /motor",
+            "only = { \"topic\" = \"/link\" }",
+        ],
+    );
+    // What the rows have in common is not one signal.
+    has(
+        &manifest,
+        &["only = { \"topic\" = \"/link\" }  # guessed: the first of several sensors"],
+    );
+}
+
+#[test]
+fn joint_states_without_a_header_are_known_by_their_names() {
+    let row = |[t, u, y]: [f64; 3]| {
+        let ns = (1e9 * t).round() as i64 + 300_000_000;
+        let (s, ns) = (1_714_554_842 + ns / 1_000_000_000, ns % 1_000_000_000);
+        format!("{s},{ns},,motor,link,{u:.6},{y:.6},0.5,0.25,0.0,0.0")
+    };
+    let folder = written("states.csv", joint().into_iter().map(row));
+    let (_, manifest) = proposed(&folder, "states.csv");
+    has(
+        &manifest,
+        &[
+            "column = \"6\"  # motor position [rad]\nunit = \"rad\"",
+            "column = \"7\"  # link position [rad]",
+            "column = \"9\"  # link velocity [rad/s]\nunit = \"rad/s\"",
+            "column = \"10\"  # motor effort [N.m]",
+        ],
+    );
+    is_near(mode(&folder), MODE.0, MODE.1);
+}
+
+#[test]
+fn what_is_no_table_of_numbers_is_told_with_what_to_do() {
+    let said = |name: &str, lines: Vec<String>| {
+        let folder = written(name, lines);
+        quell(&folder, &["identify", name]).1
+    };
+    // LeRobot, as pandas writes it.
+    let list = |[t, u, y]: [f64; 3]| format!("\"[{y:.5}, {u:.5}]\",{t:.3},0");
+    let head = "observation.state,timestamp,index".to_string();
+    let lines = std::iter::once(head).chain(joint().into_iter().map(list));
+    let told = said("lerobot.csv", lines.collect());
+    has(
+        &told,
+        &[
+            "\"observation.state\" are lists",
+            "\"observation.state[0]\"",
+            "Parquet",
+        ],
+    );
+    let echo =
+        "header:\n  stamp:\n    sec: 1\n    nanosec: 0\n  frame_id: ''\nposition:\n- 0.5\n---";
+    let told = said("echo.txt", vec![echo.replace('\n', "\r\n"); 20]);
+    has(&told, &["ros2 topic echo --csv"]);
+    // LinuxCNC's sampler counts its samples.
+    let rows = joint().into_iter().enumerate();
+    let lines = rows.map(|(k, [_, u, y])| format!("{k} {u:.6} {y:.6}"));
+    let told = said("sampler.txt", lines.collect());
+    has(
+        &told,
+        &["\"1\" goes by 1 from row to row", "write rate_hz ="],
+    );
+    assert!(!told.contains("1000"), "{told}");
+}
+
+#[test]
+fn a_vibrometer_alone_tells_the_damping_of_the_mode() {
+    let all = joint();
+    let row = |k: usize| {
+        let v = |k: usize| all[k][2] - all[k][1];
+        format!(
+            "{:.4},{:.6}",
+            all[k][0],
+            300.0 * (v(k + 1) - v(k - 1)) * RATE / 2.0
+        )
+    };
+    let head = "Time [s],Vib velocity [mm/s]".to_string();
+    let lines = std::iter::once(head).chain((1..all.len() - 1).map(row));
+    let folder = written("vibrometer.csv", lines);
+    proposed(&folder, "vibrometer.csv");
+    let found = mode(&folder);
+    is_near(found, MODE.0, MODE.1);
+    assert!((found.1 / MODE.1 - 1.0).abs() < 0.01, "{found:?}");
+}

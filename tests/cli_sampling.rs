@@ -174,3 +174,35 @@ fn noise_below_the_rounding_is_called_rounding() {
         .filter(|line| line.contains("rounding") && line.contains("0.001"));
     assert_eq!(lines.count(), 2, "{told}");
 }
+
+#[test]
+fn a_move_within_one_sample_does_not_make_a_mode_of_an_image() {
+    // At 100 samples a second 80 Hz looks like 20 Hz, 82 Hz like 18 Hz and 88 Hz like 12 Hz.
+    for hertz in [80.0, 82.0, 88.0] {
+        let rows = joint(100.0, (hertz, 0.005), 0.01, 12.0).into_iter();
+        let row = |(k, [t, u, y]): (usize, [f64; 3])| {
+            format!(
+                "{t:.2},{:.6},{:.6}",
+                0.01 * u + 1e-5 * noise(k),
+                0.01 * y + 1e-5 * noise(k + 9999)
+            )
+        };
+        let folder = written("time_s,motor_rad,link_rad", rows.enumerate().map(row));
+        let (told, error) = quell(&folder, &["identify", "run.csv"]);
+        let image = format!("the link rings at {:.1} Hz", 100.0 - hertz);
+        let mode = format!("{hertz:.1} Hz looks the same");
+        has(&error, &[&image, &mode, "above half the rate"]);
+        assert!(told.is_empty(), "{told}");
+        let needed = error.split("record with ").nth(1).unwrap();
+        let needed: f64 = needed.split(' ').next().unwrap().parse().unwrap();
+        assert!((needed / (5.0 * hertz) - 1.0).abs() < 0.01, "{error}");
+    }
+    // A slow mode after such a move is known.
+    let rows = joint(100.0, (12.0, 0.005), 0.01, 12.0).into_iter();
+    let folder = written(
+        "time_s,motor_rad,link_rad",
+        rows.map(|[t, u, y]| format!("{t:.2},{u:.6},{y:.6}")),
+    );
+    let told = quell(&folder, &["identify", "run.csv"]).0;
+    has(&told, &["Recommended: 12.0"]);
+}

@@ -13,13 +13,14 @@ use quell::identification::output_only::{Excitation, Vibration, output_only, out
 use quell::identification::{
     Identification, IdentificationError, NominalModel, Prior, identify, identify_until, prepare,
 };
-use quell::recording::Recording;
+use quell::recording::{Recording, Role};
 use quell::signal::TipRegistration;
 use quell_shapers::Mode;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use shared::shared;
+use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
@@ -496,6 +497,93 @@ fn decays_at_even_intervals_are_decays_of_the_modes() {
     for ([hertz, xi], [true_hertz, true_xi]) in told.iter().zip([[8.3, 0.01], [51.0, 0.02]]) {
         assert!((hertz / true_hertz - 1.0).abs() < 1e-4, "{told:?}");
         assert!((xi / true_xi - 1.0).abs() < 1e-2, "{told:?}");
+    }
+}
+
+/// Moves of 0.4 s every 2 s, whose acceleration is a sine or two constants, and what vibrates behind them: acceleration, velocity
+/// and position of the deformation, and the velocity of the link.
+fn moves(hertz: f64, ratio: f64, smooth: bool) -> [Vec<f64>; 4] {
+    let (rate, steps, w) = (500.0, 20, TAU * hertz);
+    let acceleration = |t: f64| {
+        let (k, sign) = (
+            (t % 2.0 - 0.8) / 0.4,
+            if t % 4.0 < 2.0 { 1.0 } else { -1.0 },
+        );
+        match ((0.0..1.0).contains(&k), smooth) {
+            (false, _) => 0.0,
+            (_, true) => sign * TAU * (TAU * k).sin(),
+            (_, false) => sign * 4.0 * if k < 0.5 { 1.0 } else { -1.0 },
+        }
+    };
+    let h = 1.0 / (rate * f64::from(steps));
+    let slope = |[v, x, _]: [f64; 3], a: f64| [-w * w * x - 2.0 * ratio * w * v - a, v, a];
+    let (mut state, mut out) = ([0.0; 3], [const { Vec::new() }; 4]);
+    for k in 0..4000 * steps {
+        let t = f64::from(k) * h;
+        let first = slope(state, acceleration(t));
+        if k % steps == 0 {
+            let values = [first[0], state[0], state[1], state[0] + state[2]];
+            out.iter_mut()
+                .zip(values)
+                .for_each(|(all, own)| all.push(own));
+        }
+        let middle = core::array::from_fn(|i| state[i] + 0.5 * h * first[i]);
+        let second = slope(middle, acceleration(t + 0.5 * h));
+        state = core::array::from_fn(|i| state[i] + h * second[i]);
+    }
+    out
+}
+
+/// A decay begins where nothing drives it any more, whatever is measured of it and however the move was.
+#[test]
+fn val_free_decays_have_the_damping_of_the_mode() {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let roles = [
+        Role::TipAcceleration,
+        Role::LinkVelocity,
+        Role::Deformation,
+        Role::LinkVelocity,
+    ];
+    for (hertz, ratio) in [(6.0, 0.03), (6.0, 0.1), (17.0, 0.03)] {
+        for smooth in [true, false] {
+            let of_all = moves(hertz, ratio, smooth);
+            // What is left of a smooth move at 17 Hz is a thousandth of the link's velocity.
+            let absolute = hertz < 10.0;
+            let some = of_all.iter().zip(roles).take(3 + usize::from(absolute));
+            for (k, (values, role)) in some.enumerate() {
+                for share in [0.0, 1e-3] {
+                    let most = values.iter().copied().fold(0.0, |a: f64, b| a.max(b.abs()));
+                    let noise = Normal::new(0.0, share * most).unwrap();
+                    let vibration = Vibration {
+                        role,
+                        unit: String::new(),
+                        start: 0.0,
+                        rate: 500.0,
+                        axes: vec![
+                            values
+                                .iter()
+                                .map(|own| own + noise.sample(&mut random))
+                                .collect(),
+                        ],
+                        used: 1.0,
+                        clipped: Vec::new(),
+                    };
+                    let case =
+                        format!("{hertz} Hz, {ratio}, smooth {smooth}, signal {k}, noise {share}");
+                    let found = output_only(&vibration).expect(&case);
+                    assert_eq!(found.excitation, Excitation::Decay, "{case}");
+                    let mode = found.modes[0].known.mode;
+                    assert!(
+                        (mode.hertz() / hertz - 1.0).abs() < 2e-3,
+                        "{case}: {mode:?}"
+                    );
+                    assert!(
+                        (mode.damping_ratio() / ratio - 1.0).abs() < 0.02,
+                        "{case}: {mode:?}"
+                    );
+                }
+            }
+        }
     }
 }
 

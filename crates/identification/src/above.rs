@@ -1,20 +1,26 @@
 //! A mode above the frequencies that the motor side's motion can tell: free decays in its rests show one up to half the rate.
 
-use super::output_only::{Excitation, Vibration, are_even, output_only_within};
+use super::output_only::{Excitation, Vibration, output_only_within};
+use super::recommended::known;
 use super::stop::Stop;
-use super::{Identification, IdentificationError, Searched, stretches};
+use super::{Identification, IdentificationError, Run, Searched, Why, stretches};
 use core::f64::consts::PI;
 use quell_control::estimators::{Sample, Settings};
-use quell_recording::Role;
-use quell_shapers::Mode;
+use quell_model::NO_RESONANCE;
+use quell_recording::{Role, are_even};
+use quell_shapers::UncertainMode;
 
-/// The share of the range from which on a mode is at its end.
-const END: f64 = 0.9;
-/// Largest relative difference of two frequencies of one mode, as of a free decay and the motion.
-const ONE: f64 = 0.03;
+/// Standard deviations within which two estimates of one frequency are: 997 of 1000.
+const CERTAIN: f64 = 3.0;
 
-/// A finding, unless it has no free decay and the motor side's rests ring at another frequency, at the end of what was searched
-/// or above. What is told without that would be what is left of it: a tip at rest, or a mode that hardly rings.
+/// A finding, unless the motor side's rests ring at another frequency that makes it doubtful:
+///
+/// - no free decay confirms the finding, or there is none, and the rests ring at the end of what was searched or above;
+/// - the finding is another mode than that of its own free decays, or lies outside of what was searched. Then the motion does not
+///   explain how the rests ring, wherever that is: a mode above half the rate has its image there, as after a move that is done
+///   within one sample.
+///
+/// What is told without that would be what is left of the mode: a tip at rest, or a response that hardly rings.
 ///
 /// # Errors
 /// [`IdentificationError::Above`] with that mode; else the finding's own.
@@ -24,38 +30,66 @@ pub(super) fn unless_above(
     searched: &Searched,
     stop: Stop,
 ) -> Result<Identification, IdentificationError> {
-    let may_be = match &found {
-        Ok(found) => found.best_decay.is_none(),
-        Err(error) => error.is_no_mode(),
+    let (may_be, anywhere) = match &found {
+        Ok(found) => (!found.is_confirmed(), found.best_decay.is_some()),
+        Err(error) => (error.is_no_mode(), error.is_out_of_range()),
     };
     if !may_be {
         return found;
     }
-    let Some(mode) = above(samples, searched, stop) else {
+    let Some(rests) = ringing(samples, searched, stop) else {
         return found;
     };
-    let hertz = mode.hertz();
+    let is_at_the_end = rests.mode.natural_frequency() + unsure(&rests) > searched.to;
     let is_found = |own: &Identification| {
         let best = own.recommended();
-        best.is_some_and(|best| (best.mode.mode.hertz() / hertz - 1.0).abs() < ONE)
+        best.is_some_and(|best| best.modes().any(|mode| are_one(&mode, &rests)))
     };
     match found {
         Ok(found) if is_found(&found) => Ok(found),
+        found if !(anywhere || is_at_the_end) => found,
         _ => Err(IdentificationError::Above {
-            hertz,
+            hertz: rests.mode.hertz(),
             searched: searched.hertz(),
             rate: 1.0 / searched.sample_time,
         }),
     }
 }
 
-/// The strongest mode of the rests, if it is at the end of the range or above.
-fn above(samples: &[Sample], searched: &Searched, stop: Stop) -> Option<Mode> {
+impl Identification {
+    /// Whether its strongest free decay has the mode that is recommended, or is what it is recommended from.
+    fn is_confirmed(&self) -> bool {
+        let decay = self.best_decay.and_then(|best| self.free_decays.get(best));
+        let decay = decay.and_then(Run::batch).and_then(known);
+        let best = self.recommended();
+        let both = decay.zip(best);
+        both.is_some_and(|(decay, best)| best.why != Why::Motion || are_one(&best.mode, &decay))
+    }
+}
+
+/// Whether two estimates may be of one mode: nearer than its half-power bandwidth on either side, within which two resonances
+/// have one peak, and than their standard deviations allow.
+fn are_one(own: &UncertainMode, ringing: &UncertainMode) -> bool {
+    let apart = own.mode.natural_frequency() - ringing.mode.natural_frequency();
+    let deviation = own
+        .natural_frequency_std
+        .min(ringing.mode.natural_frequency() * NO_RESONANCE);
+    apart.abs() < unsure(ringing).hypot(CERTAIN * deviation)
+}
+
+/// Half the half-power bandwidth, `xi w_n`, with the deviations of the frequency; rad/s.
+fn unsure(own: &UncertainMode) -> f64 {
+    let half = own.mode.damping_ratio() * own.mode.natural_frequency();
+    half.hypot(CERTAIN * own.natural_frequency_std)
+}
+
+/// The strongest mode of the rests, if these are free decays.
+fn ringing(samples: &[Sample], searched: &Searched, stop: Stop) -> Option<UncertainMode> {
     let (first, period) = (samples.first()?.time, searched.sample_time);
     if !are_even(samples.iter().map(|sample| sample.time), [first, period]) {
         return None;
     }
-    let settings = Settings::within((END * searched.to, PI / period), period);
+    let settings = Settings::within((searched.to, PI / period), period);
     let rests = stretches::rests(samples, &settings);
     let rests: Vec<[f64; 2]> = rests.iter().map(|rest| [rest.from, rest.until]).collect();
     let vibration = Vibration {
@@ -71,7 +105,7 @@ fn above(samples: &[Sample], searched: &Searched, stop: Stop) -> Option<Mode> {
         return None;
     }
     let found = output_only_within(&vibration, &rests, stop).ok()?;
-    let mode = found.modes.first()?.known.mode;
-    let is_above = mode.natural_frequency() > END * searched.to;
-    (is_above && found.excitation == Excitation::Decay).then_some(mode)
+    let known = found.modes.first()?.known;
+    (known.mode.damping_ratio() < NO_RESONANCE && found.excitation == Excitation::Decay)
+        .then_some(known)
 }

@@ -149,11 +149,12 @@ pub enum IdentificationError {
         /// Lowest and highest frequency that were searched, Hz.
         searched: [f64; 2],
     },
-    /// A mode in the rests of the motor side above the frequencies that were searched.
+    /// A mode in the rests of the motor side that the motion does not explain: above the frequencies that were searched, or the
+    /// image of one above half the rate.
     #[error(
         "no mode was found from {:.3} to {:.1} Hz that explains the motion: where the motor side rests, the link rings at {hertz:.1} \
-         Hz, at the end of that range or above. At {rate:.0} samples a second {:.1} Hz looks the same. The motion tells a mode with \
-         five samples in a period: record with {:.0} samples a second or more",
+         Hz. At {rate:.0} samples a second {:.1} Hz looks the same, so that the mode may lie above half the rate. The motion tells a \
+         mode with five samples in a period: record with {:.0} samples a second or more",
         .searched[0],
         .searched[1],
         rate - hertz,
@@ -200,6 +201,11 @@ impl IdentificationError {
                 | Self::NoResonance { .. }
                 | Self::Lags { .. }
         )
+    }
+
+    /// Whether it says that the best fit lies outside of what was searched.
+    pub(super) fn is_out_of_range(&self) -> bool {
+        matches!(self, Self::OutOfRange { .. })
     }
 
     /// With the frequencies that were searched, Hz, where no mode was found among them.

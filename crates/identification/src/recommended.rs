@@ -191,7 +191,7 @@ impl Run {
 }
 
 /// The mode of an off-line method that knows its deviations.
-fn known(line: &OffLine) -> Option<UncertainMode> {
+pub(super) fn known(line: &OffLine) -> Option<UncertainMode> {
     Some(UncertainMode {
         mode: line.mode,
         natural_frequency_std: line.natural_frequency_std?,

@@ -43,6 +43,16 @@ pub const FOREIGN: &[Foreign] = &[
         magic: &[b"SQLite format 3\0"],
     },
     Foreign {
+        name: "the text of `ros2 topic echo`",
+        remedy: "write it as CSV: ros2 topic echo --csv TOPIC > run.csv; or record it as MCAP: ros2 bag record -s mcap TOPIC",
+        endings: &[],
+        magic: &[
+            b"header:\n  stamp:",
+            b"---\nheader:\n",
+            b"header:\r\n  stamp:",
+        ],
+    },
+    Foreign {
         name: "a ROS 1 bag",
         remedy: "convert it to MCAP, which is read: mcap convert run.bag run.mcap",
         endings: &["bag"],

@@ -33,7 +33,9 @@
 //! and a quantity of unknown scale in `raw`. It is kept, and remarked upon.
 
 mod carries;
+mod dates;
 mod error;
+mod even;
 mod exactly;
 mod foreign;
 pub mod health;
@@ -59,6 +61,7 @@ mod write;
 
 pub use carries::{plain, range};
 pub use error::{Place, Problem, RecordingError, nearest};
+pub use even::are_even;
 pub use exactly::exactly;
 pub use foreign::{FOREIGN, Foreign};
 pub use layout::Layout;

@@ -1,21 +1,31 @@
 //! Proposed manifests for CSV files without one: guesses on their columns, from form, names and numbers.
 
 mod alike;
+mod cells;
 mod clock;
+mod column;
 mod columns;
 mod content;
+mod drives;
 mod form;
 mod joint;
+mod joint_states;
 mod name;
 mod pairs;
+mod read;
 mod render;
 mod response;
 mod restarts;
+mod roles;
 mod split_stamps;
 mod stand_in;
 mod theta;
+mod titles;
+mod toml_text;
 mod tool;
+mod units;
 mod unreadable;
+mod usual_unit;
 mod words;
 mod wraps;
 

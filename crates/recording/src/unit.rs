@@ -95,6 +95,7 @@ pub const UNITS: &[Unit] = &[
         180.0,
     ),
     unit(&["rpm"], "rad/s", Dimension::AngularVelocity, TAU, 60.0),
+    unit(&["rev/s"], "rad/s", Dimension::AngularVelocity, TAU, 1.0),
     unit(&["m/s"], "m/s", Dimension::Velocity, 1.0, 1.0),
     unit(&["mm/s"], "m/s", Dimension::Velocity, 1.0, 1e3),
     unit(&["um/s"], "m/s", Dimension::Velocity, 1.0, 1e6),

@@ -24,8 +24,11 @@ const MOST: usize = 30_000;
 const MOST_OF_ALL: usize = 2 * MOST;
 /// Number of samples above which neighbours are averaged for the test whether a stretch is a decay.
 const LOOKED_AT: usize = 3000;
-/// Number of places in a stretch at which its free decay may begin.
-const BEGINS: usize = 6;
+/// Parts of a stretch at whose borders its free decay may begin or end, and the numbers of these borders: it begins within
+/// the first half, and ends within the last tenth.
+const PARTS: usize = 20;
+const BEGINS: usize = 11;
+const ENDS: usize = 3;
 
 /// The modes of some stretches; `None` where these are no free decays.
 pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]], stop: Stop) -> Option<OutputOnly> {
@@ -208,29 +211,53 @@ fn independent(left: &DVector<f64>, count: usize) -> f64 {
     (count as f64 * (1.0 - r) / (1.0 + r)).max(8.0)
 }
 
-/// The part of a stretch in which its decay is free. It starts at the earliest place from which the residual of
-/// two modes is as small as from later ones; `None` where the residual is too large from everywhere.
+/// The part of a stretch in which its decay is free; `None` where two modes explain too little of it.
+///
+/// Begin and end are the change-points of most likelihood. The samples between them are two modes with noise of the
+/// variance `s^2` that these leave; the others, forced by what excites or stops the vibration, have the variance `v^2` of the
+/// stretch. So of `n` samples, of which `m` are free, the least `m ln s^2 + (n - m) ln v^2` is sought. A share that is left would not
+/// do: it falls with all that is taken in, as what excites is larger than what rings.
+///
+/// Source: D. V. Hinkley, Inference about the change-point in a sequence of random variables, Biometrika 57 (1970).
 fn begun(vibration: &Vibration, [from, until]: [usize; 2], stop: Stop) -> Option<[usize; 2]> {
-    let places: Vec<usize> = (0..BEGINS)
-        .map(|k| from + k * (until - from) / 20)
-        .collect();
-    let left = |place: &usize| {
-        let average = averaged(until - place, LOOKED_AT);
-        let segment = [segment(vibration, [*place, until], average)];
-        let Some(all) = residual(&segment, &[]) else {
-            return 1.0;
-        };
-        let one = further(&segment, &[], &all, stop);
-        let modes = one.as_ref().map_or(&[][..], |fit| &fit.modes);
-        let two = residual(&segment, modes).and_then(|left| further(&segment, modes, &left, stop));
-        two.or(one)
-            .map_or(1.0, |fit| fit.minimum.cost / all.norm_squared())
+    let step = ((until - from) / PARTS).max(1);
+    let average = averaged(until - from, LOOKED_AT);
+    let variance = mean_square(&segment(vibration, [from, until], average));
+    let score = |free: [usize; 2]| {
+        let inside = (free[1] - free[0]) as f64;
+        let outside = (until - from) as f64 - inside;
+        inside * left(&segment(vibration, free, average), stop).ln() + outside * variance.ln()
     };
-    let left: Vec<f64> = places.iter().map(left).collect();
-    let least = left.iter().copied().fold(f64::INFINITY, f64::min);
-    let good = left.iter().position(|left| *left <= 1.5 * least + 1e-4);
-    let place = places[good.unwrap_or(0)];
-    (least < 1.0 - EXPLAINED).then_some([place, until])
+    let least = |places: &mut dyn Iterator<Item = [usize; 2]>| {
+        let scored = places.map(|free| (score(free), free));
+        // The first of equals is the longest.
+        scored.min_by(|a, b| a.0.total_cmp(&b.0)).map(|own| own.1)
+    };
+    let latest = from + (BEGINS - 1) * step;
+    let end = least(&mut (0..ENDS).map(|k| [latest, until - k * step]))?[1];
+    let free = least(&mut (0..BEGINS).map(|k| [from + k * step, end]))?;
+    let share = left(&segment(vibration, free, average), stop)
+        / mean_square(&segment(vibration, free, average));
+    (share < 1.0 - EXPLAINED).then_some(free)
+}
+
+/// Mean square of what two modes leave of a stretch; of all of it where none can be fitted.
+fn left(stretch: &Segment, stop: Stop) -> f64 {
+    let all = mean_square(stretch);
+    let stretch = std::slice::from_ref(stretch);
+    let count = stretch[0].values.len() as f64;
+    let add = |modes: &[Damped]| further(stretch, modes, &residual(stretch, modes)?, stop);
+    let one = add(&[]);
+    let two = one.as_ref().and_then(|fit| add(&fit.modes));
+    let left = two.or(one).map_or(all, |fit| fit.minimum.cost / count);
+    // What is below the rounding of numbers tells nothing.
+    left.max(f64::EPSILON.powi(2) * all)
+}
+
+/// Mean square of a stretch about its mean, over all axes.
+fn mean_square(stretch: &Segment) -> f64 {
+    let square = stretch.values.norm_squared() / stretch.values.len() as f64;
+    square.max(f64::MIN_POSITIVE)
 }
 
 fn samples([from, until]: &[usize; 2]) -> usize {

@@ -2,7 +2,7 @@
 
 use crate::IdentificationError;
 use nalgebra::{Complex, DMatrix};
-use quell_recording::{Channel, Recording, Role, health};
+use quell_recording::{Channel, Recording, Role, are_even, health};
 use quell_signal::{CubicSpline, End, SignalError};
 use std::f64::consts::TAU;
 
@@ -17,9 +17,6 @@ const ROLES: [Role; 8] = [
     Role::Torque,
     Role::MotorPosition,
 ];
-/// Largest deviation of stamps from even ones, as a share of the period, that is ignored: a sine of a tenth of
-/// the rate changes by 6 % of its amplitude in it.
-const BESIDE: f64 = 0.1;
 /// Deviation from a whole number that is the rounding of a stamp's digits.
 const WHOLE: f64 = 1e-3;
 /// Longest gap, in samples, that is interpolated.
@@ -188,12 +185,6 @@ struct Grid {
     start: f64,
     period: f64,
     is_even: bool,
-}
-
-/// Whether stamps are those of an even clock of this start and period, s, as nearly as it matters.
-pub fn are_even(stamps: impl Iterator<Item = f64>, [start, period]: [f64; 2]) -> bool {
-    let off = |(k, stamp): (usize, f64)| (stamp - start - k as f64 * period).abs() / period;
-    stamps.enumerate().map(off).fold(0.0, f64::max) <= BESIDE
 }
 
 /// The grid for stamps of this median period.

@@ -18,7 +18,6 @@ mod response;
 mod told;
 
 pub use density::{Density, Taken, density};
-pub(super) use even::are_even;
 pub use even::{Vibration, vibration};
 pub use told::{LeftOut, Reason};
 

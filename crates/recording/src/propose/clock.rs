@@ -2,15 +2,16 @@
 
 use super::super::stamp::{TIME_UNITS, TimeUnit};
 use super::Guess;
-use super::content::{Column, Content};
-use super::name;
+use super::column::Column;
+use super::content::Content;
 use super::split_stamps::{self, SplitStamps};
+use super::units;
 
 /// Rate, Hz, below which stamps are not assumed to be seconds: for a robot's slowest vibration of a few hertz
 /// there are less than two samples a period.
 const SLOWEST: f64 = 5.0;
 /// Seconds since 1970 in the years 2001 to 2286: ten digits.
-const EPOCH: [f64; 2] = [1e9, 1e10];
+pub const EPOCH: [f64; 2] = [1e9, 1e10];
 
 /// The clock of a file.
 pub enum Clock {
@@ -24,6 +25,8 @@ pub enum Clock {
     Rate(f64),
     /// A rate in the place of stamps in two columns.
     Split(SplitStamps),
+    /// A column that counts the samples, and no time.
+    Counted(usize),
     /// The file has no time.
     None,
 }
@@ -32,7 +35,7 @@ impl Clock {
     /// Whether a column belongs to the clock.
     pub fn has(&self, index: usize) -> bool {
         match self {
-            Self::Stamps { column, .. } => *column == index,
+            Self::Stamps { column, .. } | Self::Counted(column) => *column == index,
             Self::Split(split) => [split.seconds, split.seconds + 1].contains(&index),
             _ => false,
         }
@@ -46,7 +49,7 @@ pub fn of(content: &Content) -> Clock {
     }
     let columns = &content.columns;
     let in_time = |column: &Column| {
-        let unit = column.name.unit.as_deref().and_then(name::time_unit);
+        let unit = column.name.unit.as_deref().and_then(units::time_unit);
         let is_one = unit.is_some() || column.durations.is_some();
         is_one && column.is_numeric() && column.grows(0..column.numbers.len())
     };
@@ -77,6 +80,7 @@ pub fn of(content: &Content) -> Clock {
     }
     match unnamed() {
         None => Clock::None,
+        Some(column) if counts(&columns[column]) => Clock::Counted(column),
         Some(column) => {
             let (unit, open) = unit(&columns[column]);
             let grows = match column {
@@ -88,6 +92,22 @@ pub fn of(content: &Content) -> Clock {
             Clock::Stamps { column, unit, open }
         }
     }
+}
+
+/// Whether a column counts its rows, from 0 or 1.
+fn counts(column: &Column) -> bool {
+    let first = column.numbers[0];
+    let places = column.numbers.iter().enumerate();
+    [0.0, 1.0].contains(&first) && places.into_iter().all(|(k, own)| *own == first + k as f64)
+}
+
+/// A sentence, without a full stop, on a column that counts the samples.
+pub fn counted(column: &Column) -> String {
+    format!(
+        "how many samples a second it has: {:?} goes by 1 from row to row, so that it counts them: write rate_hz = a number, or \
+         time_unit = \"ms\" beside time = {:?} where these are ms",
+        column.called, column.called
+    )
 }
 
 fn is_clock(column: &Column) -> bool {
@@ -119,8 +139,8 @@ fn unit(column: &Column) -> (Guess<TimeUnit>, Option<String>) {
         .name
         .words
         .iter()
-        .find_map(|word| name::time_unit(word).filter(|_| word.len() > 1));
-    let told = column.name.unit.as_deref().and_then(name::time_unit);
+        .find_map(|word| units::time_unit(word).filter(|_| word.len() > 1));
+    let told = column.name.unit.as_deref().and_then(units::time_unit);
     let told = told.or(column.durations);
     let first = column
         .numbers

@@ -1,18 +1,13 @@
 //! Proposed channels for the columns of a file.
 
 use super::super::role::Role;
-use super::super::unit::Dimension;
 use super::Guess;
 use super::clock::Clock;
-use super::content::{Column, Content};
-use super::{joint, name, tool};
+use super::column::Column;
+use super::content::Content;
+use super::{joint, roles, units, usual_unit};
 use crate::Wrap;
 
-/// Standard acceleration of free fall, m/s^2.
-const G_N: f64 = 9.80665;
-/// Largest relative difference of an accelerometer's mean at rest from that: its offset, and the tilt of the
-/// other axes.
-const OFFSET: f64 = 0.05;
 /// Most columns that are asked for, and most letters of a cell that are shown.
 pub const MOST_ASKED: usize = 12;
 const LONGEST: usize = 24;
@@ -27,6 +22,8 @@ pub struct Channel {
     pub columns: Vec<usize>,
     /// Its unit.
     pub unit: Guess<String>,
+    /// How many counts a revolution has, where its unit says so.
+    pub per_revolution: Option<f64>,
     /// The counter whose readings it has, if it begins again.
     pub wrap: Option<Wrap>,
 }
@@ -46,7 +43,7 @@ pub struct Channels {
 pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
     let mut channels = Channels::default();
     let roles: Vec<_> = (0..content.columns.len())
-        .map(|index| role(content, index))
+        .map(|index| roles::role(content, index))
         .collect();
     let only: Vec<_> = roles
         .iter()
@@ -72,9 +69,11 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
     }
     for channel in &mut channels.found {
         // A manifest has the axes in the order of x, y and z.
-        channel.columns.sort_by_key(|index| axis(content, *index));
+        channel
+            .columns
+            .sort_by_key(|index| roles::axis(content, *index));
         if channel.unit.value.is_empty() {
-            channel.unit = unit(content, channel);
+            channel.unit = usual_unit::of(content, channel.role.value, &channel.columns);
         }
     }
     channels.alone(content);
@@ -140,13 +139,15 @@ impl Channels {
         let is_vector = role.entry().columns.contains(&3);
         match same {
             Some(channel)
-                if is_vector && axis(content, index).is_some() && channel.columns.len() < 3 =>
+                if is_vector
+                    && roles::axis(content, index).is_some()
+                    && channel.columns.len() < 3 =>
             {
                 channel.columns.push(index);
             }
             Some(_) => self.unused.push(index),
             None => {
-                let told = column.name.unit.as_deref().and_then(name::unit);
+                let told = column.name.unit.as_deref().and_then(units::unit);
                 let unit = told.map_or(String::new(), |unit| unit.names[0].to_owned());
                 let role = match certain {
                     true => Guess::known(role),
@@ -158,6 +159,7 @@ impl Channels {
                     joint: joint.clone(),
                     columns: vec![index],
                     unit,
+                    per_revolution: column.name.per_revolution,
                     wrap: None,
                 });
             }
@@ -215,140 +217,4 @@ impl Channels {
         });
         self.open.extend(words);
     }
-}
-
-/// The role of a column, and whether it is certain.
-pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
-    let own = by_name(content, index);
-    tool::place(content, index).map_or(own, |place| tool::role(place, own))
-}
-
-/// The axis of a column: 0, 1 or 2.
-fn axis(content: &Content, index: usize) -> Option<usize> {
-    let name = &content.columns[index].name;
-    name.axis().or_else(|| tool::place(content, index))
-}
-
-fn by_name(content: &Content, index: usize) -> Option<(Role, bool)> {
-    let name = &content.columns[index].name;
-    // RepRapFirmware calls the axes of its accelerometer X, Y and Z, as a phone does in a file `Accelerometer.csv`.
-    let of_one = content.told_rate_hz.is_some()
-        || name.words.len() == 1 && content.is_called_accelerometer();
-    if of_one && name.axis().is_some() {
-        return Some((Role::TipAcceleration, true));
-    }
-    if let Some(role) = super::theta::role(content, index) {
-        return Some((role, false));
-    }
-    let dimension = name
-        .unit
-        .as_deref()
-        .and_then(name::unit)
-        .map(|unit| unit.dimension);
-    let named = name.role();
-    // A tool with an acceleration's unit has an accelerometer.
-    match (named, dimension) {
-        // A vibration may be told as a velocity or a length.
-        (
-            Some((Role::TipAcceleration | Role::LinkAcceleration, _)),
-            Some(own @ (Dimension::Velocity | Dimension::AngularVelocity | Dimension::Length)),
-        ) => by_dimension(own),
-        (Some((role, true)), _) => Some((role, true)),
-        (_, Some(Dimension::Acceleration)) => Some((Role::TipAcceleration, true)),
-        // The command of a speed is no measured speed.
-        (
-            Some((Role::CommandPosition, _)),
-            Some(Dimension::Velocity | Dimension::AngularVelocity | Dimension::AngularAcceleration),
-        ) => None,
-        // Any sensor gives volts at the input of an instrument.
-        (None, Some(Dimension::Voltage)) if name.is_input() => None,
-        // Steps of an encoder do not tell what moves.
-        (Some(found), Some(Dimension::Number)) => Some(found),
-        // An angle at the tip is that of the link.
-        (Some((Role::TipPosition, _)), Some(Dimension::Angle)) => Some((Role::LinkPosition, false)),
-        (Some((role, false)), Some(dimension)) => {
-            let fits = role.entry().dimensions.contains(&dimension);
-            fits.then_some((role, false))
-                .or_else(|| by_dimension(dimension))
-        }
-        (Some(found), None) => Some(found),
-        (None, Some(dimension)) => by_dimension(dimension),
-        (None, None) => None,
-    }
-}
-
-/// The most frequent role of a quantity.
-fn by_dimension(dimension: Dimension) -> Option<(Role, bool)> {
-    match dimension {
-        Dimension::Angle => Some((Role::MotorPosition, false)),
-        Dimension::Length => Some((Role::Deformation, false)),
-        Dimension::Velocity | Dimension::AngularVelocity => Some((Role::LinkVelocity, false)),
-        Dimension::AngularAcceleration => Some((Role::LinkAcceleration, false)),
-        Dimension::Acceleration => Some((Role::TipAcceleration, true)),
-        Dimension::Force => Some((Role::Force, true)),
-        Dimension::Torque => Some((Role::Torque, true)),
-        Dimension::Current => Some((Role::MotorCurrent, true)),
-        Dimension::Voltage => Some((Role::MotorVoltage, true)),
-        Dimension::MomentOfInertia => Some((Role::Inertia, true)),
-        Dimension::Mass | Dimension::Number => None,
-    }
-}
-
-/// The unit of a channel whose names do not contain it.
-fn unit(content: &Content, channel: &Channel) -> Guess<String> {
-    let role = channel.role.value;
-    let told = content.columns[channel.columns[0]].name.unit.as_ref();
-    let no_unit = told.map_or("no unit in its name".into(), |unit| {
-        format!("the unit {unit:?} in its name is not known")
-    });
-    if role != Role::TipAcceleration {
-        let usual = role.entry().dimensions[0];
-        let raw = Guess::guessed("raw".into(), no_unit);
-        if told.is_some() {
-            return raw;
-        }
-        return match usual {
-            Dimension::Angle | Dimension::Length => raw,
-            dimension => by_role(dimension)
-                .map_or(raw, |si| Guess::guessed(si.into(), "no unit in its name")),
-        };
-    }
-    if content.told_rate_hz.is_some() {
-        return Guess::known("g".into());
-    }
-    if content.is_klipper() {
-        return Guess::known("mm/s^2".into());
-    }
-    let mean = |index: &usize| {
-        let there = content.columns[*index]
-            .numbers
-            .iter()
-            .filter(|value| !value.is_nan());
-        there.clone().sum::<f64>() / there.count().max(1) as f64
-    };
-    let pull = channel
-        .columns
-        .iter()
-        .map(mean)
-        .map(|mean| mean * mean)
-        .sum::<f64>()
-        .sqrt();
-    for (unit, gravity) in [
-        ("m/s^2", G_N),
-        ("g", 1.0),
-        ("mm/s^2", 1e3 * G_N),
-        ("mg", 1e3),
-    ] {
-        if (pull / gravity - 1.0).abs() < OFFSET {
-            return Guess::guessed(unit.into(), "its mean is the gravity of the earth");
-        }
-    }
-    Guess::guessed("raw".into(), no_unit + "; a frequency does not need one")
-}
-
-fn by_role(dimension: Dimension) -> Option<&'static str> {
-    let of = super::super::unit::UNITS
-        .iter()
-        .find(|unit| unit.dimension == dimension);
-    of.map(|unit| unit.si)
 }

@@ -1,13 +1,13 @@
 //! The layout of a CSV file from its first lines: separator, decimal mark, comments, header.
 
 use super::super::layout::Layout;
+use super::cells::{is_marked, is_number, split, unmarked};
+use super::titles::{is_units, joined, of_block, repeated};
 
 /// Most lines that are read.
 const LOOKED_AT: usize = 300;
 /// Least share of numbers in the rows of a numeric column.
 const MOST: f64 = 0.9;
-/// Marks of comments.
-const MARKS: [char; 3] = ['#', '%', '/'];
 /// Separators in order of preference, each with a decimal mark.
 const FORMS: [(char, char); 8] = [
     (',', '.'),
@@ -18,11 +18,6 @@ const FORMS: [(char, char); 8] = [
     ('|', '.'),
     (' ', '.'),
     (' ', ','),
-];
-
-/// What stands in a row of units for a quantity that has none, or whose unit is that of the device.
-const NO_UNITS: [&str; 10] = [
-    "-", "--", "%", "\u{2030}", "1/1", "a.u.", "bool", "bit", "lsb", "n/a",
 ];
 
 /// A layout, and the names above a row of units.
@@ -36,7 +31,7 @@ pub struct Form {
 /// The layout of a text; `None` without rows of numbers.
 pub fn of(text: &str) -> Option<Form> {
     let lines: Vec<&str> = text.lines().take(LOOKED_AT).collect();
-    let plain = |line: &&&str| !line.trim().is_empty() && !line.trim_start().starts_with(MARKS);
+    let plain = |line: &&&str| !line.trim().is_empty() && !is_marked(line);
     let rows: Vec<&str> = lines.iter().filter(plain).copied().collect();
     // White space is a separator only where tabs are none: a preamble has cells of its own between tabs.
     let by_tabs = FORMS
@@ -57,7 +52,7 @@ pub fn of(text: &str) -> Option<Form> {
     };
     let count = usual(rows.iter().map(|line| split(line, delimiter).len()));
     let first = first_row(&lines, &rows, (delimiter, decimal))?;
-    let marked = |line: &&str| line.trim_start().starts_with(MARKS);
+    let marked = |line: &&str| is_marked(line);
     let cells = |line: &str| split(unmarked(line), delimiter).len();
     let mut names = None;
     let mut above = (0..first)
@@ -149,40 +144,6 @@ fn first_row(lines: &[&str], rows: &[&str], (delimiter, decimal): (char, char)) 
     Some(first)
 }
 
-/// The names of columns in a block of lines above the numbers, as of a trace with a line of names, of types, of factors:
-/// those of the topmost line that has most names of roles, where the lowest has none.
-fn of_block<'a>(
-    lowest: &str,
-    over: impl Iterator<Item = &'a str>,
-    delimiter: char,
-) -> Option<Vec<String>> {
-    let tell = |line: &str| {
-        let cells = split(line, delimiter).into_iter();
-        cells
-            .filter(|cell| super::name::parse(cell).role().is_some())
-            .count()
-    };
-    if tell(lowest) > 0 {
-        return None;
-    }
-    let best = over.max_by_key(|line| tell(line))?;
-    let names = split(best, delimiter).into_iter().map(str::to_owned);
-    (tell(best) > 0).then(|| names.collect())
-}
-
-/// A header without the mark of a comment.
-fn unmarked(line: &str) -> &str {
-    line.trim_start().trim_start_matches(MARKS)
-}
-
-/// The names of a header in which one stands twice: the columns are then called by their numbers.
-fn repeated(header: &str, delimiter: char) -> Option<Vec<String>> {
-    let names = split(unmarked(header), delimiter);
-    let again = |(k, name): (usize, &&str)| !name.is_empty() && names[..k].contains(name);
-    let is_one = names.iter().enumerate().any(again);
-    is_one.then(|| names.iter().map(|name| (*name).to_owned()).collect())
-}
-
 /// Rows times columns of numbers, by this separator and decimal mark.
 fn columns(rows: &[&str], delimiter: char, decimal: char) -> usize {
     let numeric = numeric(rows, delimiter, decimal);
@@ -217,49 +178,4 @@ fn usual(counts: impl Iterator<Item = usize>) -> usize {
     groups
         .max_by_key(|group| group.len())
         .map_or(0, |group| group[0])
-}
-
-/// The cells of a line.
-pub fn split(line: &str, delimiter: char) -> Vec<&str> {
-    match delimiter {
-        ' ' => line.split_whitespace().collect(),
-        _ => line
-            .split(delimiter)
-            .map(|cell| cell.trim().trim_matches('"'))
-            .collect(),
-    }
-}
-
-fn is_number(cell: &str, decimal: char) -> bool {
-    match decimal {
-        ',' => !cell.contains('.') && cell.replace(',', ".").parse::<f64>().is_ok(),
-        _ => cell.parse::<f64>().is_ok(),
-    }
-}
-
-/// Whether a line contains only units, more than one. A cell may be blank, and a quantity without a physical unit has a
-/// sign of its own; but one at least is a unit.
-fn is_units(line: &str, delimiter: char) -> bool {
-    let cells = split(line, delimiter);
-    let said: Vec<&str> = cells.into_iter().filter(|cell| !cell.is_empty()).collect();
-    let is_one = |cell: &&str| super::name::is_unit(bare(cell));
-    let is_sign = |cell: &&str| NO_UNITS.contains(&bare(cell).to_lowercase().as_str());
-    said.len() > 1 && said.iter().any(is_one) && said.iter().all(|own| is_one(own) || is_sign(own))
-}
-
-/// A unit without its brackets.
-fn bare(unit: &str) -> &str {
-    unit.trim_matches(['(', ')', '[', ']', '<', '>']).trim()
-}
-
-/// `name [unit]` of each column.
-fn joined(names: &str, units: &str, delimiter: char) -> Vec<String> {
-    let pairs = split(names, delimiter)
-        .into_iter()
-        .zip(split(units, delimiter));
-    let titled = |(name, unit): (&str, &str)| match bare(unit) {
-        "" | "-" | "--" => name.to_owned(),
-        unit => format!("{name} [{unit}]"),
-    };
-    pairs.map(titled).collect()
 }

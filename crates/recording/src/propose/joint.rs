@@ -1,7 +1,8 @@
 //! The joint of a column: the number or the words in its name, where a file has several joints.
 
 use super::super::role::Role;
-use super::content::{Column, Content};
+use super::column::Column;
+use super::content::Content;
 use super::name;
 use super::tool;
 use super::words::{BESIDE, WORDS};

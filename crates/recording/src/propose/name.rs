@@ -1,17 +1,19 @@
 //! Information in the name of a column: a role, an axis, a unit.
 
 use super::super::role::{ROLES, Role};
-use super::super::stamp::TimeUnit;
-use super::super::unit::{Dimension, Unit};
-use super::words::{ANGLES, COUNTS, INPUTS, PAYLOADS, SPELLED, STEPS, TIME, WORDS};
+use super::super::unit::Dimension;
+use super::units;
+use super::words::{ANGLES, COUNTS, INPUTS, PAYLOADS, TIME, WORDS};
 
 /// The parts of a name.
 #[derive(Clone, Debug, Default)]
 pub struct Name {
     /// Its words, in lower case, without the unit.
     pub words: Vec<String>,
-    /// Its unit as written, if it has one.
+    /// Its unit, if it has one: as written, unless it is one in brackets that is known by another name.
     pub unit: Option<String>,
+    /// How many counts a revolution has, where that is its unit.
+    pub per_revolution: Option<f64>,
 }
 
 /// The parts of a name: `accel_x [mm/s^2]`, `tipY_mm`, `motor_speed_rad_s`.
@@ -22,16 +24,11 @@ pub fn parse(name: &str) -> Name {
         list.words.push(name[at..].trim_matches(['[', ']']).into());
         return list;
     }
-    let bracket = name.find(['[', '(']).filter(|at| *at > 0);
-    if let Some(at) = bracket {
-        let unit = name[at + 1..].trim_end_matches([')', ']']).trim();
-        let words = words(&name[..at])
-            .iter()
-            .map(|word| word.to_lowercase())
-            .collect();
+    if let Some((before, inside, behind)) = bracketed(name) {
         return Name {
-            words,
-            unit: Some(unit.into()),
+            words: spoken(words(before).into_iter().chain(words(behind))),
+            unit: Some(units::in_brackets(inside).into()),
+            per_revolution: units::per_revolution(inside),
         };
     }
     let parts = words(name);
@@ -44,19 +41,57 @@ pub fn parse(name: &str) -> Name {
             .replace("N/m", "N.m");
         // A number at the end counts joints or sensors; it is not the unit `1`.
         let subscript = tail == "m" && ANGLES.contains(&parts[from - 1].to_lowercase().as_str());
-        if is_unit(&tail) && tail.parse::<u64>().is_err() && !subscript {
-            let words = parts[..from]
-                .iter()
-                .map(|word| word.to_lowercase())
-                .collect();
+        if units::is_unit(&tail) && tail.parse::<u64>().is_err() && !subscript {
             return Name {
-                words,
+                words: spoken(parts[..from].iter().cloned()),
                 unit: Some(tail),
+                per_revolution: None,
             };
         }
     }
-    let words = parts.iter().map(|word| word.to_lowercase()).collect();
-    Name { words, unit: None }
+    Name {
+        words: spoken(parts.into_iter()),
+        ..Name::default()
+    }
+}
+
+/// A name before its last brackets, what is in them, and behind them: `r61[0] Actual speed [rpm]`. The last ones that hold a unit
+/// count, if some do.
+fn bracketed(name: &str) -> Option<(&str, &str, &str)> {
+    let group = |(at, _)| {
+        let inside = &name[at + 1..];
+        let ends = inside.find([']', ')']).unwrap_or(inside.len());
+        let behind = inside.get(ends + 1..).unwrap_or_default();
+        (&name[..at], inside[..ends].trim(), behind)
+    };
+    // A number in brackets is an index.
+    let is_index = |own: &(&str, &str, &str)| own.1.bytes().all(|letter| letter.is_ascii_digit());
+    let groups = name.match_indices(['[', '(']).map(group);
+    let groups: Vec<_> = groups.filter(|own| !is_index(own)).collect();
+    let holds = |own: &&(&str, &str, &str)| units::is_unit(units::in_brackets(own.1));
+    let best = groups.iter().rfind(holds);
+    best.or(groups.last()).copied()
+}
+
+/// Words in lower case; a German compound of an actual or a commanded value is two: `lage` and `ist` of `Lageistwert`.
+fn spoken(words: impl Iterator<Item = String>) -> Vec<String> {
+    let mut said = Vec::new();
+    for word in words {
+        let word = word.to_lowercase();
+        let ends = [("istwert", "ist"), ("sollwert", "soll")];
+        let compound = ends
+            .iter()
+            .find_map(|(end, sense)| Some((word.strip_suffix(end)?, *sense)));
+        match compound {
+            Some((stem, sense)) => {
+                let stem = stem.strip_suffix('s').unwrap_or(stem);
+                said.extend((!stem.is_empty()).then(|| stem.to_owned()));
+                said.push(sense.into());
+            }
+            None => said.push(word),
+        }
+    }
+    said
 }
 
 /// Start of the index of a list element: `state[3]`.
@@ -91,34 +126,6 @@ fn bare(word: &str) -> &str {
     word.trim_end_matches(|letter: char| letter.is_ascii_digit())
 }
 
-/// Whether a text is a unit of values or of time.
-pub fn is_unit(text: &str) -> bool {
-    unit(text).is_some() || time_unit(text).is_some()
-}
-
-/// The unit that a text means, in any spelling.
-pub fn unit(text: &str) -> Option<&'static Unit> {
-    let text = text
-        .replace("sec", "s")
-        .replace("**", "^")
-        .replace("degrees", "deg");
-    if let Some((_, name)) = SPELLED.iter().find(|own| own.0 == text.to_lowercase()) {
-        return Unit::from_name(name);
-    }
-    let plain = text.replace('\u{b2}', "2").replace(' ', "");
-    if STEPS.contains(&plain.to_lowercase().as_str()) {
-        return Unit::from_name("count");
-    }
-    Unit::from_name(&text)
-        .or_else(|| Unit::from_name(&plain))
-        .or_else(|| Unit::from_name(&plain.to_lowercase()))
-}
-
-/// The unit of time that a text means.
-pub fn time_unit(text: &str) -> Option<TimeUnit> {
-    TimeUnit::from_word(text)
-}
-
 impl Name {
     /// The role of a column with this name, and whether it is certain.
     pub fn role(&self) -> Option<(Role, bool)> {
@@ -134,6 +141,13 @@ impl Name {
         };
         let found = WORDS.iter().find(holds)?;
         Some((found.0, found.3))
+    }
+
+    /// Whether a word of it means a speed.
+    pub fn is_speed(&self) -> bool {
+        let mut speeds = WORDS.iter().filter(|line| line.0 == Role::MotorVelocity);
+        let has = |word: &&str| self.words.iter().any(|own| bare(own) == *word);
+        speeds.any(|line| line.2.iter().any(has))
     }
 
     /// The axis in the name: 0, 1 or 2 for x, y or z.
@@ -174,17 +188,17 @@ impl Name {
                 .words
                 .last()
                 .is_some_and(|word| ["time", "timestamp", "stamp"].contains(&word.as_str())))
-            || matches!(&*self.words, [only] if only.len() > 1 && time_unit(only).is_some())
+            || matches!(&*self.words, [only] if only.len() > 1 && units::time_unit(only).is_some())
             || (self.words.is_empty()
                 && self
                     .unit
                     .as_deref()
-                    .is_some_and(|unit| time_unit(unit).is_some()))
+                    .is_some_and(|unit| units::time_unit(unit).is_some()))
     }
 
     /// Whether the name means a counter of rows; a current is called `i`, too.
     pub fn is_count(&self) -> bool {
-        let unit = self.unit.as_deref().and_then(unit);
+        let unit = self.unit.as_deref().and_then(units::unit);
         let is_quantity = unit.is_some_and(|own| own.dimension != Dimension::Number);
         self.words.len() == 1 && COUNTS.contains(&self.words[0].as_str()) && !is_quantity
     }
@@ -209,7 +223,7 @@ impl Name {
     /// Whether it is what the axis carries.
     pub fn is_payload(&self) -> bool {
         let mass =
-            |unit: &String| self::unit(unit).is_none_or(|own| own.dimension == Dimension::Mass);
+            |unit: &String| units::unit(unit).is_none_or(|own| own.dimension == Dimension::Mass);
         self.words
             .iter()
             .any(|word| PAYLOADS.contains(&word.as_str()))

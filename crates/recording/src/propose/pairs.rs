@@ -3,8 +3,9 @@
 use super::super::role::Role;
 use super::super::unit::{Dimension, Unit};
 use super::Guess;
+use super::column::Column;
 use super::columns::{Channel, Channels};
-use super::content::{Column, Content};
+use super::content::Content;
 use crate::range;
 
 /// Ratio of link to motor side from which on the two are no sides of one joint, see `StaticRatio` of quell-signal.
@@ -58,7 +59,7 @@ impl Channels {
     /// A guessed velocity of the motor in m/s beside a position that is an angle, or the other way round, is the link's.
     pub(super) fn other_kind(&mut self) {
         let dimension =
-            |own: &Channel| super::name::unit(&own.unit.value).map(|unit| unit.dimension);
+            |own: &Channel| super::units::unit(&own.unit.value).map(|unit| unit.dimension);
         let motor = self
             .found
             .iter()
@@ -100,7 +101,7 @@ impl Channels {
         let first = &content.columns[one.columns[0]];
         let is_second = |&&index: &&usize| {
             let own = &content.columns[index];
-            let role = super::columns::role(content, index);
+            let role = super::roles::role(content, index);
             let is_position = role.is_some_and(|(role, _)| role == Role::MotorPosition);
             is_position && own.name.unit == first.name.unit && own.numbers != first.numbers
         };
@@ -116,7 +117,7 @@ impl Channels {
 /// left. A deformation has the slope 0 over the motor side.
 fn geared(u: &Column, y: &Column) -> Option<String> {
     let [own, its] = [u, y].map(|column| column.name.unit.as_deref());
-    let known = |unit: Option<&str>| unit.and_then(super::name::unit);
+    let known = |unit: Option<&str>| unit.and_then(super::units::unit);
     let [from, to] = [known(own)?, known(its)?];
     let is_motion = |unit: &Unit| matches!(unit.dimension, Dimension::Angle | Dimension::Length);
     let ratio = slope(u, y);

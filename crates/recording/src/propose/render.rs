@@ -1,37 +1,17 @@
 //! A proposal as the text of manifests.
 
-use super::super::layout::Layout;
 use super::super::role::Role;
 use super::super::stamp::TimeUnit;
-use super::clock::{self, Clock};
-use super::columns::{self, Channel, Channels};
-use super::content::{Column, Content};
-use super::{
-    Guess, Proposal, Proposed, joint, manifest_name, response, restarts, unreadable, wraps,
-};
+use super::clock::Clock;
+use super::column::Column;
+use super::columns::Channel;
+use super::content::Content;
+use super::read::{Read, Test, read};
+use super::toml_text::{layout, line, quoted};
+use super::{Guess, Proposal, Proposed, joint, manifest_name, response, wraps};
 use std::collections::BTreeSet;
 use std::fmt::Write;
-use std::ops::Range;
 use std::path::Path;
-
-/// A file with its proposal.
-struct Read<'a> {
-    content: &'a Content,
-    clock: Clock,
-    tests: Option<usize>,
-    /// The rows of each test, where its time begins again and no column tells them apart.
-    parts: Vec<Range<usize>>,
-    channels: Channels,
-}
-
-/// One test of a file with several.
-#[derive(Clone)]
-enum Test {
-    /// All rows with this cell in the column of the tests.
-    Called(String),
-    /// Rows below the header.
-    Rows(Range<usize>),
-}
 
 /// The proposal for the files of `path`, which is one of them or their folder.
 pub fn proposal(path: &Path, contents: &[Content]) -> Proposal {
@@ -90,54 +70,12 @@ pub fn proposal(path: &Path, contents: &[Content]) -> Proposal {
     }
 }
 
-fn read(content: &Content) -> Read<'_> {
-    let clock = clock::of(content);
-    let is_signal = |index| columns::role(content, index).is_some_and(|(_, certain)| certain);
-    let tests = clock::tests(content, &clock, is_signal);
-    let parts = match tests {
-        None => restarts::parts(content, &clock),
-        Some(_) => Vec::new(),
-    };
-    let channels = columns::of(content, &clock, tests);
-    Read {
-        content,
-        clock,
-        tests,
-        parts,
-        channels,
-    }
-}
-
 /// Whether the files are channels of one run: they have no role in common, and none has several tests.
 fn are_one_run(files: &[Read]) -> bool {
     let mut roles = BTreeSet::new();
     let mut found = files.iter().flat_map(|file| &file.channels.found);
     found.all(|channel| roles.insert((channel.role.value.name(), &channel.joint)))
         && files.iter().all(|file| file.several().is_empty())
-}
-
-impl Read<'_> {
-    /// Open questions that matter.
-    fn open(&self) -> Vec<String> {
-        // What else is open is so for that reason.
-        let unreadable = unreadable::of(self.content, &self.channels);
-        if !unreadable.is_empty() {
-            return unreadable;
-        }
-        let mut open = self.channels.open.clone();
-        match &self.clock {
-            Clock::None => open.push("no column has the time: rate_hz is needed".into()),
-            Clock::Stamps {
-                open: Some(why), ..
-            } => open.push(why.clone()),
-            Clock::Split(split) => open.extend(split.open(self.content)),
-            _ => {}
-        }
-        if self.several().is_empty() {
-            open.extend(restarts::told(self.content, &self.clock));
-        }
-        open
-    }
 }
 
 /// The text of one manifest.
@@ -201,100 +139,6 @@ fn manifest(name: String, title: &str, files: &[Read], test: Option<&Test>) -> P
     Proposed { name, text }
 }
 
-impl Read<'_> {
-    /// The tests of a file with several, each with what it is called.
-    fn several(&self) -> Vec<(String, Test)> {
-        match self.tests {
-            Some(index) => {
-                let called = self.content.columns[index].distinct.iter();
-                let one = |test: &String| (test.clone(), Test::Called(test.clone()));
-                called.map(one).collect()
-            }
-            None => {
-                let parts = self.parts.iter().cloned().enumerate();
-                let one = |(k, rows): (usize, _)| ((k + 1).to_string(), Test::Rows(rows));
-                parts.map(one).collect()
-            }
-        }
-    }
-
-    /// The column of the tests, the test, and why it is one.
-    fn only(&self, test: Option<&Test>) -> Option<(String, String, &'static str)> {
-        let column = &self.content.columns[self.tests?];
-        let Some(Test::Called(test)) = test else {
-            return None;
-        };
-        let why = match column.name.is_payload() {
-            true => "each payload is a recording of its own",
-            false => "the time begins again with each",
-        };
-        Some((column.called.clone(), test.clone(), why))
-    }
-
-    /// The payload throughout a test, or the file, and its column.
-    fn payload(&self, test: Option<&Test>) -> Option<(&Column, String)> {
-        let content = self.content;
-        let column = content.columns.iter().find(|own| own.name.is_payload())?;
-        let rows = match (self.tests, test) {
-            (Some(index), Some(Test::Called(test))) => content.columns[index].rows_of(test)?,
-            (_, Some(Test::Rows(rows))) => rows.clone(),
-            _ => 0..column.numbers.len(),
-        };
-        let cell = column.one_of(rows).filter(|cell| !cell.is_empty())?;
-        let unit = column.name.unit.iter().map(|unit| format!(" {unit}"));
-        Some((column, cell.to_owned() + &unit.collect::<String>()))
-    }
-}
-
-/// The table of the layout; empty for a plain file.
-fn layout(
-    head: &str,
-    before: &str,
-    layout: &Layout,
-    only: Option<(String, String, &str)>,
-) -> String {
-    let mut text = String::new();
-    let mark = |mark: char| quoted(&mark.to_string());
-    for (key, value) in [
-        ("delimiter", layout.delimiter),
-        ("decimal", layout.decimal),
-        ("comment", layout.comment),
-    ] {
-        if let Some(value) = value {
-            let _ = writeln!(text, "{key} = {}  # by the form of its lines", mark(value));
-        }
-    }
-    if let Some(skip) = layout.skip {
-        let _ = writeln!(text, "skip = {skip}  # lines above the names");
-    }
-    if layout.header == Some(false) {
-        let _ = writeln!(
-            text,
-            "header = false  # the columns are called \"1\", \"2\", ..."
-        );
-    }
-    if let Some(missing) = &layout.missing {
-        let cells: Vec<_> = missing.iter().map(|cell| quoted(cell)).collect();
-        let _ = writeln!(
-            text,
-            "missing = [{}]  # guessed: such cells are samples that are missing",
-            cells.join(", ")
-        );
-    }
-    if let Some((column, test, why)) = only {
-        let _ = writeln!(
-            text,
-            "only = {{ {} = {} }}  # guessed: {why}",
-            quoted(&column),
-            quoted(&test)
-        );
-    }
-    match text.is_empty() {
-        true => text,
-        false => format!("{before}{head}\n{text}"),
-    }
-}
-
 /// `[[channel]]`
 fn channel(file: &Read, channel: &Channel) -> String {
     let called: Vec<_> = channel
@@ -333,7 +177,9 @@ fn channel(file: &Read, channel: &Channel) -> String {
             let (rate, why) = (round(split.rate_hz), split.words(file.content));
             let _ = writeln!(text, "rate_hz = {rate}  # guessed: {}", line(&why));
         }
-        Clock::None => text += "# rate_hz =   # samples a second: nothing in the file says it\n",
+        Clock::None | Clock::Counted(_) => {
+            text += "# rate_hz =   # samples a second: nothing in the file says it\n"
+        }
     }
     let comment = match called
         .iter()
@@ -348,6 +194,13 @@ fn channel(file: &Read, channel: &Channel) -> String {
         several => writeln!(text, "columns = [{}]{comment}", several.join(", ")),
     };
     text += &key("unit", &quoted(&channel.unit.value), &channel.unit);
+    if let Some(counts) = channel.per_revolution {
+        let _ = writeln!(
+            text,
+            "scale = {}  # {counts} counts a revolution, by its name",
+            counts.recip()
+        );
+    }
     if let Some(wrap) = &channel.wrap {
         let _ = writeln!(
             text,
@@ -372,6 +225,7 @@ fn to_fill_in(file: &Read) -> String {
             joint: None,
             columns: vec![index],
             unit: Guess::known(String::new()),
+            per_revolution: None,
             wrap: None,
         };
         let block = channel(file, &block).replacen(role.name(), "", 1);
@@ -391,16 +245,6 @@ fn key<T>(key: &str, value: &str, guess: &Guess<T>) -> String {
 /// A rate to a millionth of a hertz.
 fn round(rate_hz: f64) -> f64 {
     (1e6 * rate_hz).round() / 1e6
-}
-
-/// A TOML string.
-fn quoted(text: &str) -> String {
-    toml::Value::String(text.into()).to_string()
-}
-
-/// A text on one line.
-fn line(text: &str) -> String {
-    text.replace(['\n', '\r'], " ")
 }
 
 fn name(content: &Content) -> String {

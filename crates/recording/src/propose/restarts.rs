@@ -49,7 +49,7 @@ pub fn told(content: &Content, clock: &Clock) -> Option<String> {
     let stamps = &content.columns[*column].numbers;
     let pairs = || (1..stamps.len()).filter(|row| stamps[*row] == stamps[row - 1]);
     let is_copy = |row: usize| {
-        let same = |column: &super::content::Column| {
+        let same = |column: &super::column::Column| {
             let [a, b] = [column.numbers[row - 1], column.numbers[row]];
             a == b || a.is_nan() && b.is_nan()
         };

@@ -1,13 +1,12 @@
 //! Stamps in two columns, seconds since an epoch and the nanoseconds beside them, as `ros2 topic echo --csv` writes them.
 
-use super::content::{Column, Content};
+use super::clock::EPOCH;
+use super::column::Column;
+use super::content::Content;
+use crate::are_even;
 
-/// Seconds since 1970 in the years 2001 to 2286.
-const EPOCH: [f64; 2] = [1e9, 1e10];
 /// Nanoseconds a second.
 const GIGA: f64 = 1e9;
-/// Largest distance of a stamp from an even clock, as a share of its period, for which a rate stands in.
-const BESIDE: f64 = 0.1;
 
 /// Such stamps.
 pub struct SplitStamps {
@@ -41,16 +40,11 @@ fn told(seconds: usize, whole: &Column, part: &Column) -> Option<SplitStamps> {
     if !stamps.windows(2).all(|pair| pair[1] > pair[0]) {
         return None;
     }
-    let rate_hz = (rows - 1) as f64 / (stamps[rows - 1] - stamps[0]);
-    let off = |(k, stamp): (usize, &f64)| (stamp - stamps[0]) * rate_hz - k as f64;
+    let period = (stamps[rows - 1] - stamps[0]) / (rows - 1) as f64;
     Some(SplitStamps {
         seconds,
-        rate_hz,
-        even: stamps
-            .iter()
-            .enumerate()
-            .map(off)
-            .all(|off| off.abs() < BESIDE),
+        rate_hz: period.recip(),
+        even: are_even(stamps.iter().copied(), [stamps[0], period]),
     })
 }
 

@@ -66,6 +66,7 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
             "drehmoment",
             "motormoment",
             "couple",
+            "momenten",
         ],
         true,
     ),
@@ -128,6 +129,7 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
             "dq",
             "qdot",
             "geschwindigkeit",
+            "geschwindigkeits",
             "drehzahl",
             "vitesse",
         ],
@@ -145,10 +147,18 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
         &["abtriebswinkel", "abtriebsposition", "lastwinkel"],
         true,
     ),
+    (Role::LinkPosition, &["last"], &["lage", "winkel"], false),
     (
         Role::LinkPosition,
         &[],
-        &["link", "load", "arm", "abtrieb"],
+        &[
+            "link",
+            "load",
+            "arm",
+            "abtrieb",
+            "abtriebsseite",
+            "lastseite",
+        ],
         false,
     ),
     (
@@ -195,6 +205,8 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
             "fbk",
             "ist",
             "istposition",
+            "istwert",
+            "lage",
             "winkel",
         ],
         false,
@@ -265,20 +277,6 @@ pub const COUNTS: &[&str] = &[
 /// Words for what an axis carries.
 pub const PAYLOADS: &[&str] = &["payload", "nutzlast", "zuladung"];
 
-/// Words for the steps of an encoder or of a converter.
-pub const STEPS: &[&str] = &[
-    "cnt",
-    "cnts",
-    "counts",
-    "inc",
-    "incr",
-    "increments",
-    "inkremente",
-    "ticks",
-    "pulses",
-    "impulses",
-];
-
 /// Words for angles, which no length follows: the `m` of `theta_m` is the motor.
 pub const ANGLES: &[&str] = &["theta", "phi", "q", "angle", "winkel"];
 
@@ -286,19 +284,4 @@ pub const ANGLES: &[&str] = &["theta", "phi", "q", "angle", "winkel"];
 pub const INPUTS: &[&str] = &[
     "ch", "chan", "channel", "kanal", "voie", "canal", "input", "ai", "analog", "in", "trace",
     "probe", "signal",
-];
-
-/// Units as they are spoken, with their signs.
-pub const SPELLED: &[(&str, &str)] = &[
-    ("volt", "V"),
-    ("volts", "V"),
-    ("ampere", "A"),
-    ("amperes", "A"),
-    ("amp", "A"),
-    ("newton", "N"),
-    ("degree", "deg"),
-    ("radian", "rad"),
-    ("radians", "rad"),
-    ("meter", "m"),
-    ("metre", "m"),
 ];

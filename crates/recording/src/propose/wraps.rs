@@ -3,7 +3,7 @@
 use super::super::unit::Dimension;
 use super::columns::{Channel, Channels};
 use super::content::Content;
-use super::name;
+use super::units;
 use crate::{Role, Wrap};
 
 /// What a counter of an encoder reads.
@@ -47,6 +47,6 @@ impl Channels {
 /// Whether it is a position in counts, or in a unit that nobody knows.
 fn is_counted(channel: &Channel) -> bool {
     let unit = channel.unit.value.as_str();
-    let is_bare = name::unit(unit).is_some_and(|own| own.dimension == Dimension::Number);
+    let is_bare = units::unit(unit).is_some_and(|own| own.dimension == Dimension::Number);
     POSITIONS.contains(&channel.role.value) && is_bare && channel.columns.len() == 1
 }
