@@ -83,7 +83,9 @@ fn a_row_of_units_below_the_names_is_read() {
         .find(|own| own.contains("\"torque\""));
     has(
         torque.unwrap(),
-        &["unit = \"raw\"  # guessed: the unit \"%\" in its name is not known"],
+        &[
+            "unit = \"raw\"  # guessed: % of a nominal value; for N.m write unit = \"N.m\" and scale = the nominal value",
+        ],
     );
     has(&manifest, &["time_unit = \"ms\"", "unit = \"deg\""]);
 }

@@ -23,6 +23,9 @@ pub enum TimeUnit {
     MonthFirst,
 }
 
+/// Seconds since 1970 in the years 2001 to 2286: ten digits.
+pub(super) const SINCE_1970: [f64; 2] = [1e9, 1e10];
+
 /// All units of time, with their names in a manifest and the nanoseconds that each has.
 pub const TIME_UNITS: &[(TimeUnit, &str, i128)] = &[
     (TimeUnit::Seconds, "s", 1_000_000_000),

@@ -1,6 +1,6 @@
 //! The column of the time, with its unit; and the column that separates tests.
 
-use super::super::stamp::{TIME_UNITS, TimeUnit};
+use super::super::stamp::{SINCE_1970, TIME_UNITS, TimeUnit};
 use super::Guess;
 use super::column::Column;
 use super::content::Content;
@@ -10,8 +10,6 @@ use super::units;
 /// Rate, Hz, below which stamps are not assumed to be seconds: for a robot's slowest vibration of a few hertz
 /// there are less than two samples a period.
 const SLOWEST: f64 = 5.0;
-/// Seconds since 1970 in the years 2001 to 2286: ten digits.
-pub const EPOCH: [f64; 2] = [1e9, 1e10];
 
 /// The clock of a file.
 pub enum Clock {
@@ -156,7 +154,7 @@ fn unit(column: &Column) -> (Guess<TimeUnit>, Option<String>) {
     ];
     let since_1970 = |unit: &TimeUnit| {
         let seconds = first * unit.in_seconds();
-        (EPOCH[0]..EPOCH[1]).contains(&seconds)
+        (SINCE_1970[0]..SINCE_1970[1]).contains(&seconds)
     };
     if let Some(unit) = told.or(words) {
         return (Guess::known(unit), None);

@@ -1,6 +1,6 @@
 //! Joint states without a header, as `ros2 topic echo --csv` writes them.
 
-use super::clock::EPOCH;
+use super::super::stamp::SINCE_1970;
 
 /// Nanoseconds a second.
 const GIGA: f64 = 1e9;
@@ -13,7 +13,7 @@ pub fn names(row: &[String]) -> Option<Vec<String>> {
     let [seconds, nanoseconds, _, rest @ ..] = row else {
         return None;
     };
-    let is_stamp = number(seconds).is_some_and(|own| (EPOCH[0]..EPOCH[1]).contains(&own))
+    let is_stamp = number(seconds).is_some_and(|own| (SINCE_1970[0]..SINCE_1970[1]).contains(&own))
         && number(nanoseconds).is_some_and(|own| (0.0..GIGA).contains(&own));
     let is_name = |cell: &&String| !cell.trim().is_empty() && number(cell).is_none();
     let joints: Vec<&String> = rest.iter().take_while(is_name).collect();

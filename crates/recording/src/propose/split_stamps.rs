@@ -1,6 +1,6 @@
 //! Stamps in two columns, seconds since an epoch and the nanoseconds beside them, as `ros2 topic echo --csv` writes them.
 
-use super::clock::EPOCH;
+use super::super::stamp::SINCE_1970;
 use super::column::Column;
 use super::content::Content;
 use crate::are_even;
@@ -27,7 +27,7 @@ pub fn of(content: &Content) -> Option<SplitStamps> {
 
 fn told(seconds: usize, whole: &Column, part: &Column) -> Option<SplitStamps> {
     let is_whole = |own: &f64| own.fract() == 0.0;
-    let is_epoch = |own: &f64| is_whole(own) && (EPOCH[0]..EPOCH[1]).contains(own);
+    let is_epoch = |own: &f64| is_whole(own) && (SINCE_1970[0]..SINCE_1970[1]).contains(own);
     let is_part = |own: &f64| is_whole(own) && (0.0..GIGA).contains(own);
     let rows = whole.numbers.len();
     let fits = whole.numbers.iter().all(is_epoch) && part.numbers.iter().all(is_part);
