@@ -11,7 +11,7 @@ use super::outcome::{Options, Outcome, Progress};
 use super::run::{Looked, attempt};
 use super::score::score_in_one_piece;
 use super::stretches::{Stretches, is_whole, stretches};
-use super::thresholds::{FLOOR, LOST};
+use super::thresholds::LOST;
 use quell_model::chain::MotorSide;
 use quell_model::{Experiment, Model};
 use quell_recording::Recording;
@@ -207,11 +207,9 @@ fn look(
         return Ok(in_one);
     }
     // Findings that reduce a mismatch to the noise in windows are right, even if small errors add up in one
-    // piece. The exception: another model explains in one piece what the windows take for noise.
-    let fit = &in_windows.diagnosis.fit;
-    let took = fit.before.held_out_over_noise.powi(2) > FLOOR;
-    let is_right =
-        alone && took && fit.after.held_out_rms < in_one.diagnosis.fit.after.held_out_rms;
+    // piece.
+    let left = |own: &Outcome| own.diagnosis.fit.after.held_out_rms;
+    let is_right = alone && left(&in_windows) < left(&in_one);
     Ok(match is_right || is_better(&in_windows, &in_one, known) {
         true if options.enough.now() => ended_early(in_windows),
         true => in_windows,
