@@ -465,3 +465,26 @@ fn a_named_law_that_is_not_the_curve_leaves_the_band() {
     assert!(found.is_sorted_by(|a, b| a.chi_squared <= b.chi_squared));
     assert!(cubic.outside.iter().all(|(from, to)| from <= to));
 }
+
+/// Sampled at the knots, a wave that is shorter than twice their distance looks like a longer one.
+#[test]
+fn a_wave_that_the_knots_do_not_show_is_not_near() {
+    let curve = learned("learned_position_force", (-0.8, 1.0), 1e-3, |x| {
+        0.05 * (3.0 * x).sin()
+    });
+    let knots = curve.knots();
+    let image = 3.0 + std::f64::consts::TAU / (knots[1] - knots[0]);
+    let scales = Scales {
+        candidate_orders: vec![image],
+        ..scales()
+    };
+    let at = still();
+    let laws = NamedLaws::of(&curve, Place::Link, &at, &scales, Catalogue::default());
+    let found = laws.unwrap().nearest();
+    let cogging = found
+        .iter()
+        .find(|near| near.effect.name == "cogging")
+        .unwrap();
+    let is_image = (cogging.values[1] / image - 1.0).abs() < 0.05;
+    assert!(!is_image || cogging.chi_squared > 10.0, "{cogging:?}");
+}

@@ -3,6 +3,7 @@
 use super::Curve;
 use crate::effects::{Catalogue, Effect, Motion, Parameter, ParameterRole, Place, Scales, curve};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use quell_signal::SingularValues;
 use std::f64::consts::TAU;
 
 /// A named law, fitted to a learned curve.
@@ -32,6 +33,9 @@ const STEPS: usize = 60;
 
 /// Step of a parameter for its derivative, as a share of its typical size.
 const CHANGE: f64 = 1e-5;
+
+/// Singular values, relative to the greatest, of ordinates that the curve does not depend on.
+const DEPENDENT: f64 = 1e-10;
 
 /// Least standard deviation of an ordinate, as a share of the largest ordinate.
 const ROUNDING: f64 = 1e-9;
@@ -105,75 +109,88 @@ impl<'a> NamedLaws<'a> {
     }
 }
 
-/// The target of a fit.
+/// The target of a fit: the ordinates of the learned curve. Those of a named law are of least squares over the range, so that a wave
+/// that is shorter than the distance of the knots is none of the longer waves that have the same values there.
 struct Target<'a> {
     at: &'a Motion,
-    /// Coordinates, and the learned law there.
-    points: Vec<f64>,
-    values: DVector<f64>,
-    /// Derivatives of the law there by each ordinate.
-    parts: DMatrix<f64>,
+    /// Coordinates.
+    points: &'a [f64],
+    ordinates: DVector<f64>,
+    /// Maps values of a law at the coordinates to its ordinates.
+    onto: DMatrix<f64>,
     factor: Cholesky<f64, Dyn>,
 }
 
 impl<'a> Target<'a> {
-    fn new(learned: &Curve, at: &'a Motion) -> Option<Self> {
-        let points = learned.knots();
-        // The value of a law at a knot is not always its ordinate: for a hysteresis, or a force against
-        // negative velocity.
-        let parts = super::parts(learned.effect, &learned.parameters, at, &points)?;
-        let mut covariance = &parts * &learned.of_ordinates * parts.transpose();
-        let values = &parts * DVector::from_column_slice(&learned.parameters[..points.len()]);
-        let least = (ROUNDING * values.amax())
+    fn new(learned: &'a Curve, at: &'a Motion) -> Option<Self> {
+        let count = learned.of_ordinates.nrows();
+        let ordinates = DVector::from_column_slice(&learned.parameters[..count]);
+        let mut covariance = learned.of_ordinates.clone();
+        let least = (ROUNDING * ordinates.amax())
             .max(f64::MIN_POSITIVE.sqrt())
             .powi(2);
-        for k in 0..points.len() {
+        for k in 0..count {
             covariance[(k, k)] += least;
         }
         Some(Self {
             at,
-            points,
-            values,
-            parts,
+            points: &learned.points,
+            ordinates,
+            onto: SingularValues::of(&learned.parts)?.pseudo_inverse(DEPENDENT),
             factor: covariance.cholesky()?,
         })
     }
 
+    /// The ordinates of a law; `None` where it has no finite value.
+    fn ordinates(&self, law: &Effect, values: &[f64]) -> Option<DVector<f64>> {
+        let own = &self.onto * DVector::from_vec(curve(law, values, self.at, self.points)?);
+        own.iter().all(|value| value.is_finite()).then_some(own)
+    }
+
+    /// The residual of a law with these ordinates in standard deviations.
+    fn white(&self, ordinates: &DVector<f64>) -> Option<DVector<f64>> {
+        let left = ordinates - &self.ordinates;
+        self.factor.l().solve_lower_triangular(&left)
+    }
+
     /// The residual of a sum of laws in standard deviations; `None` where one has no finite value.
-    fn residual(&self, laws: &[&Effect], values: &[f64]) -> Option<DVector<f64>> {
-        let (mut left, mut values) = (-&self.values, values);
+    fn residual(&self, laws: &[&Effect], mut values: &[f64]) -> Option<DVector<f64>> {
+        let mut sum = DVector::zeros(self.ordinates.len());
         for law in laws {
             let (own, others) = values.split_at(law.parameters.len());
-            left += DVector::from_vec(curve(law, own, self.at, &self.points)?);
+            sum += self.ordinates(law, own)?;
             values = others;
         }
-        let left = self.factor.l().solve_lower_triangular(&left)?;
-        left.iter().all(|r| r.is_finite()).then_some(left)
+        self.white(&sum)
+    }
+
+    /// The starts of a sum of laws with the squared residual of each, the best first.
+    fn starts(&self, laws: &[&Effect], scales: &Scales) -> Vec<(f64, Vec<f64>)> {
+        let mut starts = vec![(Vec::new(), DVector::zeros(self.ordinates.len()))];
+        for law in laws {
+            let own = (law.starts)(scales).into_iter();
+            let own = own.filter_map(|values| Some((self.ordinates(law, &values)?, values)));
+            let own: Vec<_> = own.collect();
+            let with = |(before, sum): &(Vec<f64>, DVector<f64>)| -> Vec<_> {
+                let both = own
+                    .iter()
+                    .map(|(part, values)| ([before.as_slice(), values].concat(), sum + part));
+                both.collect()
+            };
+            starts = starts.iter().flat_map(with).collect();
+        }
+        let sized = |(values, sum)| Some((self.white(&sum)?.norm_squared(), values));
+        let mut sized: Vec<(f64, Vec<f64>)> = starts.into_iter().filter_map(sized).collect();
+        sized.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sized
     }
 
     /// The values of a sum of laws of least squared distance from the curve, and that for each degree of freedom.
     fn fit(&self, laws: &[&Effect], scales: &Scales) -> Option<(f64, Vec<f64>)> {
-        let mut starts = vec![Vec::new()];
-        for law in laws {
-            let own = (law.starts)(scales);
-            let with = |before: &Vec<f64>| -> Vec<Vec<f64>> {
-                let both = |own: &Vec<f64>| [before.as_slice(), own].concat();
-                own.iter().map(both).collect()
-            };
-            starts = starts.iter().flat_map(with).collect();
-        }
-        let sized = |values: Vec<f64>| {
-            let cost = self.residual(laws, &values)?.norm_squared();
-            Some((cost, values))
-        };
-        let mut starts: Vec<_> = starts.into_iter().filter_map(sized).collect();
-        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        starts.truncate(FOLLOWED);
-        let ends = starts
-            .into_iter()
-            .map(|(_, values)| self.descend(laws, values, scales));
+        let starts = self.starts(laws, scales).into_iter().take(FOLLOWED);
+        let ends = starts.map(|(_, values)| self.descend(laws, values, scales));
         let (cost, values) = ends.flatten().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let freedom = self.points.len().saturating_sub(values.len()).max(1);
+        let freedom = self.ordinates.len().saturating_sub(values.len()).max(1);
         Some((cost / freedom as f64, wrapped(laws, values)))
     }
 
@@ -184,7 +201,7 @@ impl<'a> Target<'a> {
         scales: &Scales,
     ) -> Option<Nearest> {
         let (chi_squared, values) = self.fit(&[effect], scales)?;
-        let at_points = curve(effect, &values, self.at, &learned.points)?;
+        let at_points = curve(effect, &values, self.at, self.points)?;
         Some(Nearest {
             effect,
             chi_squared,
@@ -263,12 +280,10 @@ impl<'a> Target<'a> {
         Some(jacobian)
     }
 
-    /// Ranges of the coordinate where a law is outside of the band of the curve. Details of it that the
-    /// ordinates cannot represent between knots do not count.
+    /// Ranges of the coordinate where a law is outside of the band of the curve. Details of it that no ordinates represent do not
+    /// count.
     fn outside(&self, learned: &Curve, effect: &Effect, values: &[f64]) -> Option<Vec<(f64, f64)>> {
-        let law = DVector::from_vec(curve(effect, values, self.at, &self.points)?);
-        let ordinates = self.parts.clone().lu().solve(&(law - &self.values))?;
-        let off = &learned.parts * ordinates;
+        let off = &learned.parts * (self.ordinates(effect, values)? - &self.ordinates);
         let (band, least) = (learned.band(), ROUNDING * learned.values.amax());
         let (mut ranges, mut inside): (Vec<(f64, f64)>, bool) = (Vec::new(), true);
         for (k, &x) in learned.points.iter().enumerate() {
