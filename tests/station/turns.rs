@@ -68,32 +68,52 @@ fn within_limits(sent: &[Sent], target: f64) {
 
 #[test]
 fn a_new_target_in_motion_is_shaped_for_its_way() {
+    // One way to a target may suit a wrong train by chance.
+    let targets = [
+        [20.0, 35.0, 5.0],
+        [25.0, 40.0, 10.0],
+        [30.0, 12.0, 45.0],
+        [10.0, 50.0, 20.0],
+        [40.0, 22.0, 8.0],
+        [15.0, 28.0, 42.0],
+    ];
     for modes in [two().to_vec(), vec![posed()]] {
-        let folders = [(); 3].map(|()| tempfile::tempdir().expect("a folder"));
-        let mut learned = taught(folders[0].path(), &modes);
-        let fixed = ShapingChange {
-            adaptation: Some(false),
-            ..ShapingChange::default()
-        };
-        let mut fixed = said(folders[1].path(), &modes, fixed);
-        let none = ShapingChange {
-            enabled: Some(false),
-            ..ShapingChange::default()
-        };
-        let mut unshaped = said(folders[2].path(), &modes, none);
-        let (mut sums, corrections) = ([0.0; 3], learned.joint().corrections);
-        for degrees in [20.0, 35.0, 5.0] {
-            let left = [&mut learned, &mut fixed, &mut unshaped].map(|w| turned(w, degrees));
-            println!("{degrees}: {left:?} rad");
+        let mut sums = [0.0; 3];
+        for targets in targets {
+            let left = left_of(&modes, targets);
+            assert!(left[0] < 0.05 * left[2], "{targets:?}: {left:?}");
             for (sum, left) in sums.iter_mut().zip(left) {
                 *sum += left;
             }
         }
-        let corrected = learned.joint().corrections - corrections;
-        println!("{sums:?} rad, {corrected} corrections in motion");
-        assert!(sums[0] < 0.05 * sums[2], "{sums:?}");
         assert!(sums[0] < sums[1], "{sums:?}");
     }
+}
+
+/// What moves to targets, each given in motion, leave in all: with what was learned, with the fixed train of the belief, unshaped.
+fn left_of(modes: &[PlantMode], targets: [f64; 3]) -> [f64; 3] {
+    let folders = [(); 3].map(|()| tempfile::tempdir().expect("a folder"));
+    let mut learned = taught(folders[0].path(), modes);
+    let fixed = ShapingChange {
+        adaptation: Some(false),
+        ..ShapingChange::default()
+    };
+    let mut fixed = said(folders[1].path(), modes, fixed);
+    let none = ShapingChange {
+        enabled: Some(false),
+        ..ShapingChange::default()
+    };
+    let mut unshaped = said(folders[2].path(), modes, none);
+    let (mut sums, corrections) = ([0.0; 3], learned.joint().corrections);
+    for degrees in targets {
+        let left = [&mut learned, &mut fixed, &mut unshaped].map(|w| turned(w, degrees));
+        for (sum, left) in sums.iter_mut().zip(left) {
+            *sum += left;
+        }
+    }
+    let corrected = learned.joint().corrections - corrections;
+    println!("{targets:?}: {sums:?} rad, {corrected} corrections in motion");
+    sums
 }
 
 /// Nothing is known of the joint but a wrong belief: its samples say on the way that two modes ring.

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Fit, Problem, UNKNOWNS, of_colour};
+use super::{Fit, Problem, UNKNOWNS};
 use crate::learning::fit::linear::COMMON;
 use crate::learning::path::NODES;
 use crate::learning::point::{OF_A_MODE, Point, Prior};
@@ -35,12 +35,12 @@ impl Problem<'_> {
     fn descend(&self, start: &[Point], priors: &[Prior]) -> Option<Vec<Point>> {
         let unknowns = UNKNOWNS * start.len() + COMMON;
         let mut points = start.to_vec();
-        // The weight of the priors; a coloured residual has fewer independent samples.
+        // The weight of the priors falls with the noise at the modes' frequencies.
         let mut variance = 1e-4 * self.largest * self.largest;
         let mut now = self.solve(&points, priors, variance)?;
         let mut damping = 1e-2;
         for _ in 0..STEPS {
-            let wide = of_colour(&now.residual).inflation();
+            let wide = self.density(&points, &now.residual);
             let next_variance = wide * self.variance(now.square, unknowns);
             if (next_variance / variance - 1.0).abs() > 1e-3 {
                 variance = next_variance;

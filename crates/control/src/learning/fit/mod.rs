@@ -6,10 +6,11 @@
 //! with `q_m`, `g_m`, and the free decays `f_m`, `h_m`, of [`columns`]. The shares `p`, dampers to ground `d`,
 //! lags `c`, `s`, initial vibration `a`, `b`, offset `o` and gain `K` enter linearly; `ln w` at the nodes of
 //! the way, and `xi`, do not. Gauss-Newton steps, damped as by Levenberg and Marquardt; the map gives Gaussian
-//! priors.
+//! priors. Variances are those of noise with the residual's density at the modes' frequencies (`density`).
 //!
 //! Source: L. Ljung, System Identification, 2nd ed., ch. 7.
 
+mod density;
 mod descent;
 mod linear;
 
@@ -54,7 +55,7 @@ pub struct Fit {
     pub samples: f64,
     /// Variance of the residual.
     pub variance: f64,
-    /// Inflation of the variances by its colour.
+    /// Variance inflation of its mean by its colour, as of AR(1) noise.
     pub inflation: f64,
     /// Part of its variance that is not white.
     pub coloured: f64,
@@ -128,8 +129,7 @@ impl<'a> Problem<'a> {
         let rough = self.solve(points, priors, 1e-6 * self.largest * self.largest)?;
         let variance = self.variance(rough.square, unknowns);
         let colour = of_colour(&rough.residual);
-        let inflation = colour.inflation();
-        let wide = variance * inflation;
+        let wide = variance * self.density(points, &rough.residual);
         let linear = self.solve(points, priors, wide)?;
         let (normal, _) = self.normal(points, priors, &linear, wide);
         let inverse = normal.cholesky()?.inverse() * wide;
@@ -160,7 +160,7 @@ impl<'a> Problem<'a> {
             square: linear.square,
             samples: self.count(),
             variance,
-            inflation,
+            inflation: colour.inflation(),
             coloured: colour.coloured(),
             residual,
             range: self.range,
