@@ -39,7 +39,7 @@ pub fn odrive(name: &Name) -> Option<(Role, &'static str)> {
     let axis = name.words.first()?.strip_prefix("axis")?;
     let is_axis = !axis.is_empty() && axis.bytes().all(|letter| letter.is_ascii_digit());
     let has = |word: &&str| name.words.iter().any(|own| own == word);
-    let holds = |own: &&(&[&str], Role, &str)| own.0.iter().all(|word| has(word));
+    let holds = |own: &&(&[&str], Role, &str)| own.0.iter().all(has);
     let known = ODRIVE.iter().find(holds).filter(|_| is_axis)?;
     Some((known.1, known.2))
 }
