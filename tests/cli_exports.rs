@@ -58,6 +58,12 @@ fn written(name: &str, lines: impl IntoIterator<Item = String>) -> TempDir {
     folder
 }
 
+/// A folder with a joint's export, which has these lines above its rows.
+fn exported(name: &str, head: &str, row: impl Fn([f64; 3]) -> String) -> TempDir {
+    let lines = head.lines().map(String::from);
+    written(name, lines.chain(joint().into_iter().map(row)))
+}
+
 /// What is told of a file, and the manifest proposed for it.
 fn proposed(folder: &TempDir, name: &str) -> (String, String) {
     let told = quell(folder, &["inspect", name]).0;
@@ -258,8 +264,7 @@ fn axes_of_a_tool_are_of_no_joint_and_a_commanded_speed_is_not_measured() {
         |[t, u, _]: [f64; 3]| format!("{t:.6}\t{:.5}\t{u:.6}\t{:.4}", (PI * t).sin(), 2.0 * u);
     let head =
         "Time\tAxis 1 Speed ref\tAxis 1 Resolver angle\tAxis 1 Torque\r\n[s]\t[rad/s]\t[rad]\t[Nm]";
-    let lines = std::iter::once(head.to_string()).chain(joint().into_iter().map(row));
-    let folder = written("signals.csv", lines);
+    let folder = exported("signals.csv", head, row);
     let (_, manifest) = proposed(&folder, "signals.csv");
     assert!(!manifest.contains("velocity"), "{manifest}");
 }
@@ -289,11 +294,8 @@ fn seconds_and_nanoseconds_beside_them_tell_the_rate() {
 #[test]
 fn a_second_position_is_asked_for_and_a_velocity_of_another_kind_is_the_links() {
     let row = |[t, u, y]: [f64; 3]| format!("{t:.4},{:.0},{:.0}", 8e3 * u, 8e3 * y);
-    let head = "Time (s),Position [cnt],Aux Position [cnt]".to_string();
-    let folder = written(
-        "servo.csv",
-        std::iter::once(head).chain(joint().into_iter().map(row)),
-    );
+    let head = "Time (s),Position [cnt],Aux Position [cnt]";
+    let folder = exported("servo.csv", head, row);
     let (told, _) = proposed(&folder, "servo.csv");
     has(
         &told,
@@ -304,11 +306,8 @@ fn a_second_position_is_asked_for_and_a_velocity_of_another_kind_is_the_links() 
     );
 
     let row = |[t, u, y]: [f64; 3]| format!("{t:.4},{u:.6},{:.6}", 300.0 * (y - u));
-    let head = "Time [s],Motor angle [rad],Vib velocity [mm/s]".to_string();
-    let folder = written(
-        "vibrometer.csv",
-        std::iter::once(head).chain(joint().into_iter().map(row)),
-    );
+    let head = "Time [s],Motor angle [rad],Vib velocity [mm/s]";
+    let folder = exported("vibrometer.csv", head, row);
     let (_, manifest) = proposed(&folder, "vibrometer.csv");
     has(&manifest, &["role = \"link_velocity\"  # guessed"]);
     is_near(mode(&folder), MODE.0, MODE.1);
@@ -349,8 +348,7 @@ fn comma(value: f64) -> String {
 
 /// A joint's export with these lines above its rows: the mode that is identified in the proposed recording is its own.
 fn is_read(name: &str, head: &str, row: impl Fn([f64; 3]) -> String, words: &[&str]) {
-    let lines = head.lines().map(String::from);
-    let folder = written(name, lines.chain(joint().into_iter().map(row)));
+    let folder = exported(name, head, row);
     let (_, manifest) = proposed(&folder, name);
     has(&manifest, words);
     is_near(mode(&folder), MODE.0, MODE.1);
@@ -432,8 +430,7 @@ fn names_of_drives_are_known_by_their_standard_or_their_language() {
     let head =
         "time,axis0.encoder.pos_estimate,axis0.encoder.vel_estimate,axis1.encoder.pos_estimate";
     let row = |[t, u, y]: [f64; 3]| format!("{t:.3},{u:.6},0.1,{y:.6}");
-    let lines = std::iter::once(head.to_string()).chain(joint().into_iter().map(row));
-    let (_, manifest) = proposed(&written("odrive.csv", lines), "odrive.csv");
+    let (_, manifest) = proposed(&exported("odrive.csv", head, row), "odrive.csv");
     has(
         &manifest,
         &["joint = \"0\"", "joint = \"1\"", "unit = \"rev/s\""],
@@ -441,11 +438,7 @@ fn names_of_drives_are_known_by_their_standard_or_their_language() {
     // Startdrive: a number in brackets is an index, and no unit.
     let head = "Trace;Drive_1\nTime;r61[0] Actual speed value;r482[0] Encoder actual position value\nms;rpm;-";
     let row = |[t, u, _]: [f64; 3]| format!("{:.0};{u:.4};{:.0}", 1e3 * t, 4e5 * u);
-    let lines = head
-        .lines()
-        .map(String::from)
-        .chain(joint().into_iter().map(row));
-    let (_, manifest) = proposed(&written("trace.csv", lines), "trace.csv");
+    let (_, manifest) = proposed(&exported("trace.csv", head, row), "trace.csv");
     has(
         &manifest,
         &[
@@ -508,19 +501,13 @@ fn a_path_is_no_comment_and_its_unit_stands_in_the_last_brackets() {
             y - u
         )
     };
-    let head = "topic,timestamp,motor_position,linear_acceleration.x".to_string();
-    let folder = written(
-        "run.csv",
-        std::iter::once(head).chain(joint().into_iter().map(row)),
-    );
+    let head = "topic,timestamp,motor_position,linear_acceleration.x";
+    let folder = exported("run.csv", head, row);
     proposed(&folder, "run.csv");
     is_near(mode(&folder), MODE.0, MODE.1);
     let row = |[t, u, y]: [f64; 3]| format!("/motor,{t:.4},{u:.6}\n/link,{:.4},{y:.6}", t + 3e-4);
-    let head = "topic,receive_time,position".to_string();
-    let folder = written(
-        "run.csv",
-        std::iter::once(head).chain(joint().into_iter().map(row)),
-    );
+    let head = "topic,receive_time,position";
+    let folder = exported("run.csv", head, row);
     let (told, manifest) = proposed(&folder, "run.csv");
     has(
         &told,

@@ -71,6 +71,7 @@ impl Identification {
 /// have one peak, and than their standard deviations allow.
 fn are_one(own: &UncertainMode, ringing: &UncertainMode) -> bool {
     let apart = own.mode.natural_frequency() - ringing.mode.natural_frequency();
+    // However unsure an estimate is, it is of no mode that is beyond the widest of half-power bandwidths.
     let deviation = own
         .natural_frequency_std
         .min(ringing.mode.natural_frequency() * NO_RESONANCE);

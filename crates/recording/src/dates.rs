@@ -3,7 +3,7 @@
 use toml::value::Datetime;
 
 /// Nanoseconds a second.
-const GIGA: i128 = 1_000_000_000;
+pub(super) const GIGA: i128 = 1_000_000_000;
 
 /// A date and time of ISO 8601 as nanoseconds since 1970-01-01, or a time of day since its midnight; a time zone is
 /// subtracted, where there is one.

@@ -1,6 +1,6 @@
 //! Stamps in other units than seconds: milliseconds, an epoch's nanoseconds, dates and times of day.
 
-use super::dates::{nanoseconds, year_first};
+use super::dates::{GIGA, nanoseconds, year_first};
 
 /// The unit of a stamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,8 +23,10 @@ pub enum TimeUnit {
     MonthFirst,
 }
 
-/// Seconds since 1970 in the years 2001 to 2286: ten digits.
-pub(super) const SINCE_1970: [f64; 2] = [1e9, 1e10];
+/// Whether a number may be seconds since 1970, in the years 2001 to 2286: it has ten digits.
+pub(super) fn is_since_1970(seconds: f64) -> bool {
+    (1e9..1e10).contains(&seconds)
+}
 
 /// All units of time, with their names in a manifest and the nanoseconds that each has.
 pub const TIME_UNITS: &[(TimeUnit, &str, i128)] = &[
@@ -43,8 +45,6 @@ pub type Origin = Option<i128>;
 
 /// Stamps, s, from which they count as since an epoch: no run lasts three years.
 const EPOCH: i128 = 100_000_000;
-/// Nanoseconds a second.
-const GIGA: i128 = 1_000_000_000;
 /// Seconds a day.
 const DAY: f64 = 86_400.0;
 /// Digits behind the point, beyond nanoseconds, that are kept.

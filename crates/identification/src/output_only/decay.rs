@@ -223,21 +223,22 @@ fn begun(vibration: &Vibration, [from, until]: [usize; 2], stop: Stop) -> Option
     let step = ((until - from) / PARTS).max(1);
     let average = averaged(until - from, LOOKED_AT);
     let variance = mean_square(&segment(vibration, [from, until], average));
-    let score = |free: [usize; 2]| {
+    // Its score, the share that is left of it, and the part itself.
+    let scored = |free: [usize; 2]| {
+        let stretch = segment(vibration, free, average);
+        let left = left(&stretch, stop);
         let inside = (free[1] - free[0]) as f64;
         let outside = (until - from) as f64 - inside;
-        inside * left(&segment(vibration, free, average), stop).ln() + outside * variance.ln()
+        let score = inside * left.ln() + outside * variance.ln();
+        (score, left / mean_square(&stretch), free)
     };
-    let least = |places: &mut dyn Iterator<Item = [usize; 2]>| {
-        let scored = places.map(|free| (score(free), free));
-        // The first of equals is the longest.
-        scored.min_by(|a, b| a.0.total_cmp(&b.0)).map(|own| own.1)
-    };
+    // The first of equals, which is the longest.
+    let by_score = |a: &(f64, f64, _), b: &(f64, f64, _)| a.0.total_cmp(&b.0);
     let latest = from + (BEGINS - 1) * step;
-    let end = least(&mut (0..ENDS).map(|k| [latest, until - k * step]))?[1];
-    let free = least(&mut (0..BEGINS).map(|k| [from + k * step, end]))?;
-    let share = left(&segment(vibration, free, average), stop)
-        / mean_square(&segment(vibration, free, average));
+    let ends = (0..ENDS).map(|k| scored([latest, until - k * step]));
+    let last = ends.min_by(by_score)?;
+    let begins = (0..BEGINS - 1).map(|k| scored([from + k * step, last.2[1]]));
+    let (_, share, free) = begins.chain([last]).min_by(by_score)?;
     (share < 1.0 - EXPLAINED).then_some(free)
 }
 

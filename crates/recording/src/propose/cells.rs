@@ -3,6 +3,7 @@
 /// Marks of comments of one letter; two strokes are one, too, while one begins a path.
 const MARKS: [char; 2] = ['#', '%'];
 const STROKES: &str = "//";
+
 /// Whether a line is a comment.
 pub fn is_marked(line: &str) -> bool {
     let line = line.trim_start();

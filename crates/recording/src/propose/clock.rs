@@ -1,6 +1,6 @@
 //! The column of the time, with its unit; and the column that separates tests.
 
-use super::super::stamp::{SINCE_1970, TIME_UNITS, TimeUnit};
+use super::super::stamp::{TIME_UNITS, TimeUnit, is_since_1970};
 use super::Guess;
 use super::column::Column;
 use super::content::Content;
@@ -154,7 +154,7 @@ fn unit(column: &Column) -> (Guess<TimeUnit>, Option<String>) {
     ];
     let since_1970 = |unit: &TimeUnit| {
         let seconds = first * unit.in_seconds();
-        (SINCE_1970[0]..SINCE_1970[1]).contains(&seconds)
+        is_since_1970(seconds)
     };
     if let Some(unit) = told.or(words) {
         return (Guess::known(unit), None);

@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// Most lines that are read of a known form.
 const HEAD: usize = 400;
+
 /// A file, its form, and its columns.
 pub struct Content {
     /// The file.

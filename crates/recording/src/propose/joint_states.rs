@@ -1,9 +1,7 @@
 //! Joint states without a header, as `ros2 topic echo --csv` writes them.
 
-use super::super::stamp::SINCE_1970;
-
-/// Nanoseconds a second.
-const GIGA: f64 = 1e9;
+use super::super::dates::GIGA;
+use super::super::stamp::is_since_1970;
 
 /// The names of the columns of such a row: seconds, nanoseconds and frame, the names of `n` joints, then `n` positions, velocities
 /// and efforts, as `sensor_msgs/JointState` has them. What a driver does not measure has no cells: so `n` numbers are positions,
@@ -13,8 +11,8 @@ pub fn names(row: &[String]) -> Option<Vec<String>> {
     let [seconds, nanoseconds, _, rest @ ..] = row else {
         return None;
     };
-    let is_stamp = number(seconds).is_some_and(|own| (SINCE_1970[0]..SINCE_1970[1]).contains(&own))
-        && number(nanoseconds).is_some_and(|own| (0.0..GIGA).contains(&own));
+    let is_stamp = number(seconds).is_some_and(is_since_1970)
+        && number(nanoseconds).is_some_and(|own| (0.0..GIGA as f64).contains(&own));
     let is_name = |cell: &&String| !cell.trim().is_empty() && number(cell).is_none();
     let joints: Vec<&String> = rest.iter().take_while(is_name).collect();
     let values = &rest[joints.len()..];

@@ -1,12 +1,10 @@
 //! Stamps in two columns, seconds since an epoch and the nanoseconds beside them, as `ros2 topic echo --csv` writes them.
 
-use super::super::stamp::SINCE_1970;
+use super::super::dates::GIGA;
+use super::super::stamp::is_since_1970;
 use super::column::Column;
 use super::content::Content;
 use crate::are_even;
-
-/// Nanoseconds a second.
-const GIGA: f64 = 1e9;
 
 /// Such stamps.
 pub struct SplitStamps {
@@ -27,8 +25,8 @@ pub fn of(content: &Content) -> Option<SplitStamps> {
 
 fn told(seconds: usize, whole: &Column, part: &Column) -> Option<SplitStamps> {
     let is_whole = |own: &f64| own.fract() == 0.0;
-    let is_epoch = |own: &f64| is_whole(own) && (SINCE_1970[0]..SINCE_1970[1]).contains(own);
-    let is_part = |own: &f64| is_whole(own) && (0.0..GIGA).contains(own);
+    let is_epoch = |own: &f64| is_whole(own) && is_since_1970(*own);
+    let is_part = |own: &f64| is_whole(own) && (0.0..GIGA as f64).contains(own);
     let rows = whole.numbers.len();
     let fits = whole.numbers.iter().all(is_epoch) && part.numbers.iter().all(is_part);
     if !fits || rows < 3 || part.grows(0..rows) {
@@ -36,7 +34,7 @@ fn told(seconds: usize, whole: &Column, part: &Column) -> Option<SplitStamps> {
     }
     let first = whole.numbers[0];
     let pairs = whole.numbers.iter().zip(&part.numbers);
-    let stamps: Vec<f64> = pairs.map(|(s, ns)| s - first + ns / GIGA).collect();
+    let stamps: Vec<f64> = pairs.map(|(s, ns)| s - first + ns / GIGA as f64).collect();
     if !stamps.windows(2).all(|pair| pair[1] > pair[0]) {
         return None;
     }

@@ -8,9 +8,11 @@ use super::drives;
 
 /// Standard acceleration of free fall, m/s^2.
 const G_N: f64 = 9.80665;
+
 /// Largest relative difference of an accelerometer's mean at rest from that: its offset, and the tilt of the
 /// other axes.
 const OFFSET: f64 = 0.05;
+
 /// The unit of a channel whose names do not contain it.
 pub fn of(content: &Content, role: Role, columns: &[usize]) -> Guess<String> {
     let told = content.columns[columns[0]].name.unit.as_ref();

@@ -55,7 +55,7 @@ impl Problem<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{NODES, Point, Problem, TAU};
+    use super::{NODES, Problem, TAU};
     use crate::estimators::Sample;
     use crate::learning::cause::Cause;
     use crate::learning::order::open_prior;
@@ -112,9 +112,7 @@ mod tests {
         let way = Way::new(0.0, 0.3);
         let prior = open_prior(log_w, &way.nodes(), 0.03);
         let mut problem = Problem::new(&samples, way, (3.0, 6.0), Cause::Stiffness);
-        let fit = problem
-            .fit(&[Point { ..prior.point() }], &[prior])
-            .expect("a fit");
+        let fit = problem.fit(&[prior.point()], &[prior]).expect("a fit");
         let [mode] = fit.modes.as_slice() else {
             panic!("{} modes", fit.modes.len());
         };
