@@ -43,16 +43,16 @@ Examples:
   quell compare --recording arm7 --rate 1000
   quell compare --mode 8.12,0.084 --rate 1000 --frequency-std 5 --max-delay 0.1 --json
 
-V is the residual vibration: the amplitude that the shaped command leaves over what the unshaped
-one leaves, each at its own end; the columns give it for a machine whose frequency is that much
-above (+) or below (-) the believed one, and for one that is known only so well (--frequency-std,
---damping-std): V 95 % stays below that value with 95 % probability. Insensitivity: width of the
-band with V <= 5 %, over the frequency. Delay: what the shaper adds to the end of a move. The
+V is the residual vibration: the amplitude that the shaped command leaves over what the unshaped \
+one leaves, each at its own end; the columns give it for a machine whose frequency is that much \
+above (+) or below (-) the believed one, and for one that is known only so well (--frequency-std, \
+--damping-std): V 95 % stays below that value with 95 % probability. Insensitivity: width of the \
+band with V <= 5 %, over the frequency. Delay: what the shaper adds to the end of a move. The \
 millimetres are simulated: the greatest tip deformation after the robot's own move.
 
-Recommended is the shortest shaper within --max-delay whose V 95 % is --acceptable; where none is,
-the one that leaves least. umzv never is: its negative impulses can exceed the limits of a move.
-Several modes are shaped for by one shaper, one train after the other, and the worst mode counts. Writes
+Recommended is the shortest shaper within --max-delay whose V 95 % is --acceptable; where none is, \
+the one that leaves least. umzv never is: its negative impulses can exceed the limits of a move. \
+Several modes are shaped for by one shaper, one train after the other, and the worst mode counts. Writes \
 compare.html into --out.")]
 pub struct Args {
     /// The robot's description, as --robot; the embedded arm where none is given.

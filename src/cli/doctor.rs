@@ -14,8 +14,8 @@ Examples:
   quell doctor
   quell doctor --json
 
-It asks for what `quell serve` asks for, a real-time priority and locked memory, and says what it got.
-Then a loop that sleeps and does nothing runs at 1 kHz for a second: no tick can come earlier than it
+It asks for what `quell serve` asks for, a real-time priority and locked memory, and says what it got. \
+Then a loop that sleeps and does nothing runs at 1 kHz for a second: no tick can come earlier than it \
 does. Run it as the user, and in the container, that will run the service.")]
 pub struct Args {
     /// Prints JSON instead of a table.

@@ -41,21 +41,21 @@ Examples:
   quell identify decay.csv                           (an accelerometer alone)
   quell identify raw_data_x_*.csv raw_data_y_*.csv   (a printer: prints the lines for its firmware)
 
-What vibrates alone, an accelerometer or any channel of the link, gives its modes from a free decay, a tap, a
-sweep or the machine at work, and the shaper for them; where a channel tells when the motor side rests, from the
-decays in its rests. With motor_position (or motor_velocity, or command_position) and one of deformation,
-link_position, tip_position, the motor side's motion is the known input. A tip sensor
+What vibrates alone, an accelerometer or any channel of the link, gives its modes from a free decay, a tap, a \
+sweep or the machine at work, and the shaper for them; where a channel tells when the motor side rests, from the \
+decays in its rests. With motor_position (or motor_velocity, or command_position) and one of deformation, \
+link_position, tip_position, the motor side's motion is the known input. A tip sensor \
 in a frame of its own needs a model with the lever arm:
   kind = \"flexible_joint\"
   natural_frequency_hz = 8.2
   damping_ratio = 0.06
   lever_arm_m = 1.8
   tip_height_m = 0.9
-Its frame is then learned from the recording in the way of --registration, and what the other way would
+Its frame is then learned from the recording in the way of --registration, and what the other way would \
 make of it is told beside.
 
-Estimators that know the motor side's motion see the whole recording, of more than 1e5 samples the
-1e5 in a row whose deformation varies most, if the motion explains the deformation; the others, and
+Estimators that know the motor side's motion see the whole recording, of more than 1e5 samples the \
+1e5 in a row whose deformation varies most, if the motion explains the deformation; the others, and \
 all where it does not, see the strongest free decay.")]
 pub struct Args {
     /// The manifest (recording.toml), its folder, an MCAP file, or a CSV or Parquet file that says what its columns

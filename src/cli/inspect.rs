@@ -31,9 +31,9 @@ Examples:
   quell inspect decay.csv          (writes recording.toml beside it)
   quell inspect run.mcap           (its topics, too; run.mcap#joint_2 takes one of several joints)
 
-Columns of the tables: noise is the standard deviation of white noise, step the quantisation step;
-noise is called rounding where it is below that of the step, step / sqrt(12);
-jitter the root mean square of interval minus period. Values are in SI, jitter in microseconds.
+Columns of the tables: noise is the standard deviation of white noise, step the quantisation step; \
+noise is called rounding where it is below that of the step, step / sqrt(12); \
+jitter the root mean square of interval minus period. Values are in SI, jitter in microseconds. \
 Of a manifest with several joints each is told; arm7#joint_2 takes one.")]
 pub struct Args {
     /// The manifest (recording.toml), its folder, an MCAP file, or a CSV or Parquet file.

@@ -29,19 +29,20 @@ Examples:
   quell move --robot robot.toml --target 30,45 --path
   quell move --residual 5 --deviation 0.2
 
-Residual: peak of the true deformation at the tip once the command has ended and the motor side has
-followed. Settling: from the start of the move until the tip stays within 0.05 mm of its target.
-Delay: what shaping and corrections add to the command. The tracker's frame and clock are learned
-first, in a commissioning move there and back. The folder of --out gets report.html and a recording
+Residual: peak of the true deformation at the tip once the command has ended and the motor side has \
+followed. Settling: from the start of the move until the tip stays within 0.05 mm of its target. \
+Delay: what shaping and corrections add to the command. The tracker's frame and clock are learned \
+first, in a commissioning move there and back. The folder of --out gets report.html and a recording \
 of each move that `quell identify` and `quell inspect` read.
 
-With --path several joints move at once, on a straight line in joint space: unshaped, each with a
-shaper of its own, and each with the shapers of all joints in series, which keeps the line. The latter
+With --path several joints move at once, on a straight line in joint space: unshaped, each with a \
+shaper of its own, and each with the shapers of all joints in series, which keeps the line. The latter \
 two are made twice: a first move, and the next one with what was learned.
 
---residual and --deviation add the first move once more, as fast as both allow. They hold for all
-modes within two standard deviations of the learned ones. No train is then sent. The deviation is the distance of the commanded tip from the straight line in joint space, and the
-amplitude at the tip after the end; without it several joints keep the line.")]
+--residual and --deviation add the first move once more, as fast as both allow. They hold for all \
+modes within two standard deviations of the learned ones. No train is then sent. The deviation is the \
+distance of the commanded tip from the straight line in joint space, and the amplitude at the tip after the \
+end; without it several joints keep the line.")]
 pub struct Args {
     #[command(flatten)]
     robot: RobotArgs,

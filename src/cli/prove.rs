@@ -31,9 +31,9 @@ Examples:
   quell prove --join one/proof.json two/proof.json
                                              shares together
 
-Each case is a machine in which one piece of physics is hidden, or two, or none, or one that no
-catalogue holds, recorded by sensors with noise; --kinds says which. The diagnosis sees the nominal
-model and one recording. The truth is read after the last diagnosis. DIR holds case-00/model.toml,
+Each case is a machine in which one piece of physics is hidden, or two, or none, or one that no \
+catalogue holds, recorded by sensors with noise; --kinds says which. The diagnosis sees the nominal \
+model and one recording. The truth is read after the last diagnosis. DIR holds case-00/model.toml, \
 case-00/train/, case-00/test/, ... and truth.json; --keep DIR writes such a folder.")]
 pub struct Args {
     /// How many cases to make.

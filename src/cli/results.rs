@@ -15,8 +15,8 @@ Examples:
   quell results --queue nats://host:4222 --out fleet-results
   quell results --queue nats://host:4222 --json
 
-The folder of --out gets a folder for each recording, with diagnosis.json, model.toml with the physics
-in it, and result.json, which says what they are of. misfit and with it: of the model as it was given,
+The folder of --out gets a folder for each recording, with diagnosis.json, model.toml with the physics \
+in it, and result.json, which says what they are of. misfit and with it: of the model as it was given, \
 refitted, and with what is missing, over the noise, on moves that neither was fitted to.")]
 pub struct Args {
     /// Address of the queue, as nats://host:4222.

@@ -16,9 +16,9 @@ Examples:
   quell score out/model.toml test/recording.toml --json
   quell score out/model.toml test/recording.toml --first 50
 
-Only the clock offset, the output's offset, the sensor's frame and a start that no sensor says are fitted; the
-model's parameters and effects are taken as they stand. A model that lacks nothing has an rms of once the noise.
-Where the manifest has a payload, the score with the link's inertia fitted stands beside.
+Only the clock offset, the output's offset, the sensor's frame and a start that no sensor says are fitted; the \
+model's parameters and effects are taken as they stand. A model that lacks nothing has an rms of once the noise. \
+Where the manifest has a payload, the score with the link's inertia fitted stands beside. \
 With --first they are fitted to the first samples, and the score is of the free run that follows.")]
 pub struct Args {
     /// The model, such as the one that `quell diagnose` wrote.

@@ -26,7 +26,7 @@ Examples:
   quell serve --config quell.toml
   quell serve --print-config > quell.toml
 
-Ctrl-C or SIGTERM brings every joint to a jerk-limited stop first. What was learned is kept in the
+Ctrl-C or SIGTERM brings every joint to a jerk-limited stop first. What was learned is kept in the \
 data folder and is in force again after the next start, however this one ended.")]
 pub struct Args {
     /// The configuration, TOML; what is given here as an option overrides it.

@@ -29,9 +29,9 @@ Examples:
   quell shape --shaper optimal --mode 8.12,0.084 --frequency-std 3 --damping-std 0.01 --rate 250
   quell shape --shaper zvd --mode 8.12,0.084 --rate 250 command.csv --column joint_1_rad --out out
 
-V is the residual vibration: the amplitude that the shaped command leaves over what the unshaped
-one leaves, each at its own end. The insensitivity is the width of the band of frequencies, over
-the design frequency, in which V stays at or below 5 %. Where a file has columns of several joints,
+V is the residual vibration: the amplitude that the shaped command leaves over what the unshaped \
+one leaves, each at its own end. The insensitivity is the width of the band of frequencies, over \
+the design frequency, in which V stays at or below 5 %. Where a file has columns of several joints, \
 give the mode of each: all columns run the same train, and the joints keep their path.")]
 pub struct Args {
     /// The shaper.

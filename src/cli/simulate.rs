@@ -38,9 +38,9 @@ Examples:
   quell simulate --command command.csv --column joint_1_deg --unit deg --rate 250
   quell simulate model.toml arm7 --out prediction.csv
 
-The folder of --out gets recording.toml with the command, the encoder and the tracker, each on its
-own clock, and model.toml with what is believed of the joint; `quell identify` and `quell inspect`
-read them. Residual: peak of the true deformation at the tip from where the motor side has come to
+The folder of --out gets recording.toml with the command, the encoder and the tracker, each on its \
+own clock, and model.toml with what is believed of the joint; `quell identify` and `quell inspect` \
+read them. Residual: peak of the true deformation at the tip from where the motor side has come to \
 rest, to one encoder step, until the next move begins.")]
 pub struct Args {
     /// A model to predict a recording with, instead of a robot's moves.

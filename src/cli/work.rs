@@ -18,8 +18,8 @@ Examples:
   quell work --queue nats://host:4222
   quell work --queue nats://host:4222 --jobs 1 --drain
 
-Any number may work at one queue. At an interrupt it finishes what it has begun; at a second one it
-ends at once, and what it had begun is given to others. A recording that no worker survives is set
+Any number may work at one queue. At an interrupt it finishes what it has begun; at a second one it \
+ends at once, and what it had begun is given to others. A recording that no worker survives is set \
 aside after three, with that as its error.")]
 pub struct Args {
     /// Address of the queue, as nats://host:4222.

@@ -15,6 +15,12 @@ fn is_deflection(quantity: Quantity, unit: &str) -> bool {
     quantity == Quantity::FORCE && matches!(unit, "rad" | "m")
 }
 
+/// Force per position.
+const STIFFNESS: Quantity = Quantity::new(1, -1, 0);
+
+/// What a stiffness is told in by a model that has no scale of force.
+const STIFFNESS_TOLD: &str = "times the joint's";
+
 /// Size below which a number is shown in parts per million.
 const PER_MILLION: f64 = 1e-3;
 
@@ -132,15 +138,20 @@ impl Case<'_> {
         effect.map_or_else(|| plain(name), |effect| effect.parameter_title(name))
     }
 
-    /// The unit of a displayed parameter: a phase is an angle, a small number is in parts per million.
+    /// The unit of a displayed parameter: a phase is an angle, a stiffness without a unit a multiple of the joint's, a
+    /// small number is in parts per million.
     pub(crate) fn shown(&self, effect: &str, parameter: &FittedParameter) -> Shown {
         let FittedParameter {
             name, value, unit, ..
         } = parameter;
         let of = self.catalogue.effect(effect);
         let role = of.and_then(|effect| effect.parameters.iter().find(|own| own.name == name));
-        match role.map(|own| own.role) {
-            Some(ParameterRole::Phase) => Shown::of("rad", *value),
+        match role.map(|own| (own.role, own.quantity)) {
+            Some((ParameterRole::Phase, _)) => Shown::of("rad", *value),
+            Some((_, STIFFNESS)) if unit == "1" => Shown {
+                factor: 1.0,
+                unit: STIFFNESS_TOLD.into(),
+            },
             _ if unit == "1" && value.abs() > 0.0 && value.abs() < PER_MILLION => Shown {
                 factor: 1e6,
                 unit: "ppm".into(),

@@ -36,23 +36,23 @@ The model says what is believed, such as
   damping_ratio = 0.06
   lever_arm_m = 1.8
   tip_height_m = 0.9
-Its parameters are refitted first, and what is still missing is looked for in the catalogue of
+Its parameters are refitted first, and what is still missing is looked for in the catalogue of \
 effects. Without --held-out every third stretch of three periods judges what the rest was fitted to.
 
-With --robot each channel names its joint, and every joint is diagnosed: with gravity, the motion of
-the other joints and its own inertia as the description says them. What the robot carries and which
+With --robot each channel names its joint, and every joint is diagnosed: with gravity, the motion of \
+the other joints and its own inertia as the description says them. What the robot carries and which \
 joints are coupled beside the description is looked for first, where torques were measured.
 
-With --batch each recording is diagnosed by itself, and a folder stands for the recordings below it;
+With --batch each recording is diagnosed by itself, and a folder stands for the recordings below it; \
 what has its result already is not done again.
 
 ";
 
 /// Verdicts and what is written.
 const OUTPUT: &str = "\
-Verdicts: no_mismatch, named, ambiguous (several explanations fit alike),
-partly_explained, unexplained, not_excited (the recording cannot contradict the model: the exit code
-is 2, and what to record is told). The folder of --out gets report.html, diagnosis.json and
+Verdicts: no_mismatch, named, ambiguous (several explanations fit alike), \
+partly_explained, unexplained, not_excited (the recording cannot contradict the model: the exit code \
+is 2, and what to record is told). The folder of --out gets report.html, diagnosis.json and \
 model.toml with the physics in it, which `quell simulate` and `quell score` run.";
 
 /// Examples and verdicts.
