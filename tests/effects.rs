@@ -170,7 +170,7 @@ fn properties_fit_the_parameters() {
                     let there = effect.parameters.iter().any(|p| p.name == left_out);
                     assert!(there, "{name} has no {left_out}");
                 }
-                Property::Recurs => assert!(effect.event_time().is_some(), "{name} has no time"),
+                Property::Recurs => assert!(effect.happens(), "{name} is of the machine"),
                 Property::Parts(_) => {
                     let parts = effect.parts(&effect.neutral()).into_iter().flatten();
                     for (part, values) in parts {

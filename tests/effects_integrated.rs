@@ -1,5 +1,6 @@
 //! The laws of the catalogue in the chain: what the integration makes of them.
 
+use nalgebra::Complex;
 use quell::effects::{EFFECTS, Effect, Law, Memory, ParameterRole, Place, Scales};
 use quell::model::chain::{Chain, ForceElement, FrictionElement};
 use quell::model::{Grid, Hold, Kick, Kind, Timed, Trace, integrate};
@@ -237,6 +238,34 @@ fn neutral_laws_in_the_chain_change_nothing_to_the_bit() {
         };
         let same = deformation(&trace) == deformation(&base);
         assert!(same, "{} in the {}", effect.name, place.name());
+    }
+}
+
+/// `x'' + 2 xi n x' + n^2 x = n^2 A sin(w t + p)` from rest: what swings with the force, and the mode that makes up for it
+/// at the start.
+#[test]
+fn val_a_harmonic_disturbance_is_the_forced_vibration() {
+    let base = deformation(&simulate(None, &grid(STEP)).unwrap());
+    let effect = Effect::from_name("harmonic_disturbance").unwrap();
+    let (n, xi) = (NATURAL_FREQUENCY, DAMPING_RATIO);
+    for (ratio, phase) in [(0.3, 0.0), (1.0, 0.7), (2.5, -2.0)] {
+        let (amplitude, w) = (0.01, ratio * n);
+        let law = (effect.law)(&[amplitude, w, phase]);
+        let shaken = simulate(Some((law, Place::Environment)), &grid(STEP)).unwrap();
+        let gain = Complex::new(1.0 - ratio * ratio, 2.0 * xi * ratio).inv() * amplitude;
+        let forced = |t: f64| gain * Complex::from_polar(1.0, w * t + phase);
+        let turns = n * (1.0 - xi * xi).sqrt();
+        let (x, v) = (-forced(0.0).im, -(forced(0.0) * Complex::i() * w).im);
+        let expected = |t: f64| {
+            let free = x * (turns * t).cos() + (v + xi * n * x) / turns * (turns * t).sin();
+            forced(t).im + (-xi * n * t).exp() * free
+        };
+        let apart = deformation(&shaken).into_iter().zip(&base).step_by(2);
+        let errors = apart
+            .enumerate()
+            .map(|(k, (own, base))| own - base - expected(0.004 * k as f64));
+        let error = largest(errors) / gain.norm();
+        assert!(error < 1e-3, "{ratio}: {error:.1e}");
     }
 }
 

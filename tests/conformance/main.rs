@@ -221,6 +221,40 @@ fn knocks_belong_to_their_recordings() {
     assert!(fit.model_alone.unwrap().train_rms > 1.5 * fit.after.train_rms);
 }
 
+/// A fan beside the machine runs through two recordings: one finding, with a phase of its own in each. The better model
+/// does not have it.
+#[test]
+fn a_fan_belongs_to_its_recordings() {
+    let machine = joint();
+    let effect = Effect::from_name("harmonic_disturbance").unwrap();
+    let phase = effect.index(ParameterRole::Phase).unwrap();
+    let mut term = typical(&machine, effect, Place::Environment, 1.0);
+    let recordings = [("Monday", 0.4), ("Tuesday", 2.1)].map(|(name, own)| {
+        term.values[phase] = own;
+        Recording {
+            name: name.into(),
+            ..conceal(&machine, term.clone(), 1).recording
+        }
+    });
+    let outcome = outcome(&machine, &recordings);
+    let said = &outcome.diagnosis;
+    println!("{}", said.summary);
+    assert_eq!(said.verdict, Verdict::Named);
+    let [finding] = &said.findings[..] else {
+        panic!("{}", said.summary);
+    };
+    let mut happened = finding.happened_in.clone();
+    happened.sort();
+    assert_eq!(happened, ["Monday", "Tuesday"]);
+    let told = finding.parameters.iter();
+    let told = told.filter(|parameter| parameter.name.starts_with("frequency"));
+    let frequency = term.values[effect.index(ParameterRole::Frequency).unwrap()] / TAU;
+    for own in told {
+        assert!((own.value / frequency - 1.0).abs() < 1e-3, "{own:?}");
+    }
+    assert!(outcome.model.effects.is_empty());
+}
+
 /// A link on a prescribed motor side starts at rest on it, wherever that is: its sensor's first sample is
 /// a position, not a deformation.
 #[test]

@@ -77,14 +77,18 @@ impl Problem<'_> {
 
     /// Change of an unknown over which the residual is far from linear: its typical size, or a tenth of its
     /// value. For a position it is at most the deformation, for an instant at most a radian of the mode,
-    /// wherever the origin lies.
+    /// wherever the origin lies; for the frequency of what lasts, a radian over the recording.
     pub fn reach(&self, point: &Point, global: Global) -> f64 {
         let typical = self.typical(point, global);
-        let quantity = match global {
-            Global::Parameter(term, index) => point.terms[term].effect.parameters[index].quantity,
-            _ => Quantity::NUMBER,
+        let (quantity, lasts) = match global {
+            Global::Parameter(term, index) => {
+                let effect = point.terms[term].effect;
+                (effect.parameters[index].quantity, effect.happens())
+            }
+            _ => (Quantity::NUMBER, false),
         };
         match quantity {
+            Quantity::FREQUENCY if lasts => typical.min(self.scales.duration().recip()),
             Quantity::POSITION => typical.min(self.scales.deformation),
             Quantity::TIME => typical.min(self.scales.period() / TAU),
             _ => typical.max(0.1 * self.get(point, global).abs().min(1e3)),

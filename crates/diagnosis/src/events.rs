@@ -1,4 +1,4 @@
-//! Events that happen more than once, such as repeated impacts.
+//! Effects that act more than once: repeated impacts, a vibration from outside in several recordings.
 
 use super::descent::Descent;
 use super::evidence::CALIBRATED;
@@ -11,36 +11,27 @@ use quell_model::Term;
 use std::cmp::Ordering;
 
 impl Search<'_> {
-    /// An explanation whose last effect is an event, plus further events of its kind at candidate instants.
-    /// Each must raise the evidence.
+    /// An explanation whose last effect is one that recurs, plus further ones of its kind: events at candidate
+    /// instants, what lasts through a recording in the other recordings. Each must raise the evidence.
     pub(super) fn recurring(&self, explanation: Explanation) -> Explanation {
         let point = &explanation.fitted.point;
         let last = point.terms.last();
-        let Some((event, when)) = last.and_then(|term| Some((term, term.effect.event_time()?)))
-        else {
+        let Some(event) = last.filter(|term| term.effect.recurs()) else {
             return explanation;
         };
-        let each = self.problem.scales_of_each.iter();
-        let candidates = each.flat_map(|(own, scales)| {
-            let times = scales.candidate_events.iter();
-            times.map(|time| (*own, *time))
-        });
         let temperature = CALIBRATED * self.judge.unit(&explanation);
         let mut best = explanation.clone();
         let mut known = None;
-        for (recording, time) in candidates.take_while(|_| !self.problem.is_cut()) {
+        for starts in self.occasions(event) {
             let point = &best.fitted.point;
-            let here = |term: &&Term| is_like(term, event) && term.recording == Some(recording);
-            let own = point.terms.iter().filter(here);
-            let mut times = own.map(|term| term.values[when]);
-            if times.any(|own| (own - time).abs() <= self.problem.scales.period()) {
+            if self.problem.is_cut() {
+                break;
+            }
+            if self.is_there(point, &starts[0]) {
                 continue;
             }
-            let mut next = event.clone().in_recording(Some(recording));
-            next.values = event.effect.neutral();
-            next.values[when] = time;
             let slopes = known.get_or_insert_with(|| self.problem.linearise(point, self.projector));
-            let Some(sized) = self.sized(&point.with(next), slopes, temperature) else {
+            let Some(sized) = self.sized(point, &starts, slopes, temperature) else {
                 continue;
             };
             let fitted = self.problem.fit(&sized, self.projector, SHORT);
@@ -51,22 +42,54 @@ impl Search<'_> {
             }
         }
         match best.fitted.point.terms.len() > point.terms.len() {
-            true => self.together(best, (event, when), temperature),
+            true => self.together(best, event, temperature),
             false => explanation,
         }
     }
 
+    /// Where another one of an effect may be, each with the values to start from.
+    fn occasions(&self, event: &Term) -> Vec<Vec<Term>> {
+        let mut all = Vec::new();
+        for (own, scales) in &self.problem.scales_of_each {
+            let with =
+                |values| Term::new(event.effect, event.place, values).in_recording(Some(*own));
+            match event.effect.event_time() {
+                Some(when) => all.extend(scales.candidate_events.iter().map(|time| {
+                    let mut values = event.effect.neutral();
+                    values[when] = *time;
+                    vec![with(values)]
+                })),
+                None => {
+                    let starts = event.effect.starts_at(event.place, scales);
+                    all.push(starts.into_iter().map(with).collect());
+                }
+            }
+        }
+        all.retain(|starts: &Vec<Term>| !starts.is_empty());
+        all
+    }
+
+    /// Whether a point has an effect at this occasion: in this recording, events within a period of the mode.
+    fn is_there(&self, point: &Point, one: &Term) -> bool {
+        let here = |term: &&Term| is_like(term, one) && term.recording == one.recording;
+        let mut own = point.terms.iter().filter(here);
+        own.any(|term| {
+            let apart = |when: usize| (term.values[when] - one.values[when]).abs();
+            let apart = one.effect.event_time().map_or(0.0, apart);
+            apart <= self.problem.scales.period()
+        })
+    }
+
     /// Events in the order of their times, fitted together, without those that are not needed beside the
     /// others.
-    fn together(
-        &self,
-        found: Explanation,
-        (event, when): (&Term, usize),
-        temperature: f64,
-    ) -> Explanation {
+    fn together(&self, found: Explanation, event: &Term, temperature: f64) -> Explanation {
         let mut point = found.fitted.point;
         let mut added = point.terms.split_off(point.given_terms);
-        let time = |term: &Term| is_like(term, event).then(|| (term.recording, term.values[when]));
+        let when = event.effect.event_time();
+        let time = |term: &Term| {
+            let time = when.map(|when| term.values[when]);
+            is_like(term, event).then_some((term.recording, time))
+        };
         let order = |a: &Term, b: &Term| time(a).partial_cmp(&time(b));
         added.sort_by(|a, b| order(a, b).unwrap_or(Ordering::Equal));
         point.terms.append(&mut added);
@@ -92,18 +115,30 @@ impl Search<'_> {
         }
     }
 
-    /// A point whose last term is an event, with its size from one step while all else is known. `None` where
+    /// A point with one term more: from the best of its starts, sized by one step while all else is known. `None` where
     /// its expected gain does not exceed the prior odds of an effect.
-    fn sized(&self, point: &Point, known: &Linearised, temperature: f64) -> Option<Point> {
-        let last = point.terms.len() - 1;
-        let when = point.terms[last].effect.event_time()?;
-        let mut held = point.clone();
-        held.held = vec![Global::Parameter(last, when)];
-        let mut descent = Descent::new(self.problem, self.projector, &held, Some(known));
-        descent.glance();
+    fn sized(
+        &self,
+        point: &Point,
+        starts: &[Term],
+        known: &Linearised,
+        temperature: f64,
+    ) -> Option<Point> {
+        let from = |start: &Term| {
+            let mut held = point.with(start.clone());
+            let when = start.effect.event_time().into_iter();
+            held.held = when
+                .map(|when| Global::Parameter(point.terms.len(), when))
+                .collect();
+            let mut descent = Descent::new(self.problem, self.projector, &held, Some(known));
+            descent.glance();
+            descent
+        };
+        let steps = starts.iter().map(from);
+        let best = steps.min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
         let worth = -2.0 * temperature * self.problem.log_prior_of_one();
-        let promises = known.cost - descent.cost() > worth;
-        let mut sized = descent.end().point;
+        let promises = known.cost - best.cost() > worth;
+        let mut sized = best.end().point;
         sized.held.clear();
         promises.then_some(sized)
     }

@@ -75,6 +75,7 @@ pub const FAMILIES: &[Family] = &[
     ),
     family_of("drive dynamics", &["drive_lag", "drive_delay"]),
     family_of("disturbance", &["external_disturbance"]),
+    family_of("steady vibration", &["harmonic_disturbance"]),
 ];
 
 /// The family of laws that no catalogue contains.

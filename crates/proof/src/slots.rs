@@ -100,12 +100,7 @@ const NAMED: &[(&[&str], &[&str])] = &[
     // And of the generator in MuJoCo.
     (&["position_detents"], &["position"]),
     (
-        &[
-            "fading_damping",
-            "work_softening",
-            "steady_shaking",
-            "clock_jump",
-        ],
+        &["fading_damping", "work_softening", "clock_jump"],
         &["time"],
     ),
     (&["patch_friction"], &["friction", "position"]),

@@ -2,10 +2,15 @@
 
 use super::case::Case;
 use super::{head, words};
-use quell_diagnosis::{Finding, OutputTrace};
+use quell_diagnosis::{Finding, FittedParameter, OutputTrace};
 
-/// Sentence on the recordings in which a finding happened, and that the better model does not contain it;
-/// `None` for findings of the machine.
+/// Whether a parameter is the instant of an event.
+fn is_time(parameter: &FittedParameter) -> bool {
+    parameter.name == "time" || parameter.name.starts_with("time_")
+}
+
+/// Sentence on the recordings in which a finding happened, or which it lasted through, and that the better model does not
+/// contain it; `None` for findings of the machine.
 pub fn of(finding: &Finding) -> Option<String> {
     let mut names: Vec<String> = Vec::new();
     for name in &finding.happened_in {
@@ -14,15 +19,14 @@ pub fn of(finding: &Finding) -> Option<String> {
             names.push(name);
         }
     }
-    let often = match finding.happened_in.len() {
+    let names = words::list(&names, "and");
+    let what = match finding.happened_in.len() {
         0 => return None,
-        1 => "once".into(),
-        count => format!("{count} times"),
+        _ if !finding.parameters.iter().any(is_time) => format!("It lasted through {names}"),
+        1 => format!("It happened once, in {names}"),
+        count => format!("It happened {count} times, in {names}"),
     };
-    Some(format!(
-        "It happened {often}, in {}. The better model does not have it.",
-        words::list(&names, "and")
-    ))
+    Some(format!("{what}. The better model does not have it."))
 }
 
 /// Times and names of the events in the recording of a trace, in the order of time.
@@ -30,7 +34,7 @@ pub fn times(case: &Case, trace: &OutputTrace) -> Vec<(f64, String)> {
     let mut all = Vec::new();
     for finding in &case.diagnosis.findings {
         let times = finding.parameters.iter();
-        let times = times.filter(|own| own.name == "time" || own.name.starts_with("time_"));
+        let times = times.filter(|own| is_time(own));
         for (name, time) in finding.happened_in.iter().zip(times) {
             // With several recordings a trace has its recording's name.
             let several = trace.name.contains(": ");

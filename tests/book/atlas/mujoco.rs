@@ -29,7 +29,7 @@ const FORCE: &str =
     "MuJoCo has no element for it: apply the law as a force in the callback `mjcb_passive`.";
 
 /// Effects for which MuJoCo has no element, and what to do.
-const ABSENT: [(&str, &str); 21] = [
+const ABSENT: [(&str, &str); 22] = [
     ("smooth_coulomb_friction", FORCE),
     ("hysteretic_stiffness", FORCE),
     ("bilinear_stiffness", FORCE),
@@ -57,6 +57,10 @@ const ABSENT: [(&str, &str); 21] = [
     (
         "external_disturbance",
         "MuJoCo has no element for it: add the jump to `mjData.qvel`, or a force to `mjData.qfrc_applied`, at that time.",
+    ),
+    (
+        "harmonic_disturbance",
+        "MuJoCo has no element for it: add the force to `mjData.qfrc_applied` at each step.",
     ),
     (
         "torque_constant_nonlinearity",

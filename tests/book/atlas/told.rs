@@ -94,6 +94,10 @@ pub const TOLD: [(&str, &[&str]); 25] = [
         &["external_disturbance"],
     ),
     (
+        "vibrates at one frequency, at rest too",
+        &["harmonic_disturbance"],
+    ),
+    (
         "reading is smaller the faster it shakes",
         &["sensor_lag", "sensor_lag_second_order"],
     ),

@@ -30,4 +30,22 @@ class Knocks(Effect):
         return push
 
 
-EFFECTS = [Knocks]
+class Shaker(Effect):
+    """A machine next door shakes the link with a steady tone in the training recording; it is off in the other one."""
+
+    name, catalogue, timed = "harmonic_disturbance", ("harmonic_disturbance",), True
+
+    def draw(self, rng, setting):
+        self.f, self.phase = rng.uniform(2.0, 25.0), rng.uniform(0, 2 * math.pi)
+
+    def parameters(self, size):
+        return {"torque_nm": 0.5 * size * self.setting.torque, "frequency_hz": self.f, "phase_rad": self.phase}
+
+    def hook(self, size, arm, which):
+        if which != "train":
+            return None
+        level, w = 0.5 * size * self.setting.torque, 2 * math.pi * self.f
+        return lambda t, dt, e, de, u, du, model: (0.0, level * math.sin(w * t + self.phase))
+
+
+EFFECTS = [Knocks, Shaker]

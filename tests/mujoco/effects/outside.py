@@ -113,23 +113,6 @@ class PatchFriction(Effect):
         return patch
 
 
-class Shaker(Effect):
-    """A machine next door shakes the link with a steady tone."""
-
-    place = "environment"
-    name, timed = "steady_shaking", True
-
-    def draw(self, rng, setting):
-        self.f, self.phase = rng.uniform(2.0, 25.0), rng.uniform(0, 2 * math.pi)
-
-    def parameters(self, size):
-        return {"torque_nm": 0.5 * size * self.setting.torque, "frequency_hz": self.f, "phase_rad": self.phase}
-
-    def hook(self, size, arm, which):
-        level, w = 0.5 * size * self.setting.torque, 2 * math.pi * self.f
-        return lambda t, dt, e, de, u, du, model: (0.0, level * math.sin(w * t + self.phase))
-
-
 class WorkSoftening(Effect):
     """The joint softens with the distance that it has worked, as filled rubber does (Mullins)."""
 
@@ -181,5 +164,5 @@ class ClockJump(Effect):
         chain.clock.append(lambda t: t + sum(s * size * 0.01 * (t > at) for at, s in zip(self.times, self.signs)))
 
 
-EFFECTS = [RootSpeedFriction, Detents, RateDependentStiffness, FadingDamping, PatchFriction, Shaker, WorkSoftening,
+EFFECTS = [RootSpeedFriction, Detents, RateDependentStiffness, FadingDamping, PatchFriction, WorkSoftening,
            OneWayDamper, ClockJump]

@@ -29,6 +29,7 @@ mod external_disturbance;
 mod force_offset;
 mod gravity_load;
 mod grid;
+mod harmonic_disturbance;
 mod hysteretic_stiffness;
 mod law;
 mod learned;
@@ -209,6 +210,7 @@ pub const EFFECTS: &[&Effect] = &[
     &quantisation::QUANTISATION,
     &clock_skew::CLOCK_SKEW,
     &external_disturbance::EXTERNAL_DISTURBANCE,
+    &harmonic_disturbance::HARMONIC_DISTURBANCE,
 ];
 
 /// Laws whose shape is learned, one or more for each [`Slot`], for recordings that no law of the catalogue

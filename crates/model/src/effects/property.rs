@@ -1,6 +1,6 @@
 //! Properties of an effect, besides its law, that the rest of the program needs.
 
-use super::{Effect, Likeness, Parameter, ParameterRole, Slot};
+use super::{Effect, Likeness, Parameter, ParameterRole, Place, Slot};
 
 /// A simpler effect, and the values of its parameters.
 pub type Part = (&'static Effect, Vec<f64>);
@@ -19,7 +19,7 @@ pub enum Property {
     Alike(Likeness),
     /// A file may omit this parameter, which then has its neutral value.
     Optional(&'static str),
-    /// It is an event, which may happen again: it has a [time](ParameterRole::Time).
+    /// It may act again: an event at another [time](ParameterRole::Time), what lasts in another recording.
     Recurs,
     /// Its misfit has many minima over its size: the frequency depends on the size, and both must be right
     /// together. The sizes of its starts are above 0, the smallest first.
@@ -106,18 +106,24 @@ impl Effect {
         self.is(|own| matches!(own, Property::Optional(name) if *name == parameter.name))
     }
 
-    /// Index of the time of an event, which may recur; `None` for other effects.
-    pub fn event_time(&self) -> Option<usize> {
-        let recurs = self.is(|own| matches!(own, Property::Recurs));
-        recurs.then(|| self.index(ParameterRole::Time)).flatten()
+    /// Whether it may act again, at another time or in another recording.
+    pub fn recurs(&self) -> bool {
+        self.is(|own| matches!(own, Property::Recurs))
     }
 
-    /// Whether it belongs to one recording rather than to the machine: it acts from an instant on, or follows a
-    /// curve over the recording's time.
+    /// Index of the time of an event, which may recur; `None` for other effects.
+    pub fn event_time(&self) -> Option<usize> {
+        let time = || self.index(ParameterRole::Time);
+        self.recurs().then(time).flatten()
+    }
+
+    /// Whether it belongs to one recording rather than to the machine: it acts from an instant on, comes from outside, or
+    /// follows a curve over the recording's time.
     pub fn happens(&self) -> bool {
         let over_time = |slot: Slot| slot.coordinate() == super::Coordinate::Time;
         let learned = self.is_learned() && self.slot().is_some_and(over_time);
-        learned || self.index(ParameterRole::Time).is_some()
+        let outside = self.places == [Place::Environment];
+        learned || outside || self.index(ParameterRole::Time).is_some()
     }
 
     /// Whether a machine may have it more than once: it has its own instant, place, frequency or order.

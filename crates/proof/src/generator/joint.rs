@@ -115,6 +115,8 @@ pub struct Joint {
     pub stop: Option<Stop>,
     /// Knocks on the link.
     pub knocks: Vec<Knock>,
+    /// Amplitude, angular frequency and phase of a torque that shakes the link steadily.
+    pub shaking: [f64; 3],
     /// How the sensor lags.
     pub lag: Option<Lag>,
     /// Laws that no textbook names: across the transmission, and pulling at the link.

@@ -58,8 +58,9 @@ pub(super) fn generate(draw: &mut Draw, kind: Option<Kind>) -> Result<Option<Cas
         }
     };
     let recorded = record(draw, &hurt, &train, "train");
-    // Knocks and grips happen once.
+    // Knocks and grips happen once; what shakes the machine is switched off.
     hurt.joint.knocks.clear();
+    hurt.joint.shaking = [0.0; 3];
     hurt.joint.payload = None;
     let tested = record(draw, &hurt, &test, "test");
     let mut truth = truth(&arm, &instruments, &hidden, rich, residual);

@@ -204,6 +204,10 @@ impl Moving<'_> {
         if let Some((outer, _)) = joint.outer {
             torque += outer.stiffness * (state[Z] - y) + outer.damping * (state[Z_RATE] - v);
         }
+        let [shakes, frequency, phase] = joint.shaking;
+        if shakes != 0.0 {
+            torque += shakes * (frequency * time + phase).sin();
+        }
         torque += joint.laws.pull(y);
         torque += joint.stop.map_or(0.0, |stop| stop.force(y, v));
         torque + joint.knocks.iter().map(|knock| knock.at(time)).sum::<f64>()

@@ -81,6 +81,8 @@ const SAME: &[(&str, &str, &[&str])] = &[
         &["time", "time_2", "time_3"],
     ),
     ("external_disturbance", "jump", &["jump"]),
+    ("harmonic_disturbance", "amplitude", &["amplitude"]),
+    ("harmonic_disturbance", "frequency", &["frequency"]),
     ("sensor_lag", "time_constant", &["time_constant", "tau_s"]),
     (
         "sensor_lag_second_order",

@@ -21,6 +21,7 @@ pub(super) const ENTRIES: &[Entry] = &[
     entry("end_stop", PLACE, [0.3, 1.5], end_stop).in_a_programme(),
     entry("base_mode", "base", [0.05, 0.5], base_mode).seen_by(OUTER),
     entry("external_disturbance", "environment", [0.1, 2.0], knocks),
+    entry("harmonic_disturbance", "environment", [0.02, 0.4], shaker),
 ];
 
 /// Dry friction in the link's bearing.
@@ -204,6 +205,14 @@ fn knocks(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Paramet
         parameters.push(("jump_size", jump));
     }
     parameters
+}
+
+/// A machine next door; the size is the static deflection by its force.
+fn shaker(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Parameters {
+    let frequency = scales.natural_frequency * log_between(0.4, 4.0, shape[0]);
+    let amplitude = size * scales.deformation;
+    arm.joint.shaking = [amplitude * arm.joint.stiffness, frequency, TAU * shape[1]];
+    vec![("amplitude", amplitude), ("frequency", frequency)]
 }
 
 /// The ringing that half a sine of force leaves of the mode: as much as an impulse of so many times its
