@@ -84,6 +84,7 @@ mod shape;
 mod split;
 mod spread;
 mod start;
+mod steady_lines;
 mod stop;
 mod stretches;
 mod successive_halving;

@@ -3,6 +3,7 @@
 use super::autocorrelation::correlation;
 use super::detrended::detrended;
 use super::noise_colour::colour;
+use super::steady_lines::without_lines;
 use super::whitening::Whitening;
 use nalgebra::DVector;
 use quell_model::{Experiment, Output};
@@ -98,8 +99,7 @@ fn shown(
 /// for example if its start compensates for missing physics.
 fn at_rest(output: &Output, residual: &[f64], quiet: &[std::ops::Range<usize>]) -> Vec<Vec<f64>> {
     let quieter = |range: &std::ops::Range<usize>| {
-        let [left, all] =
-            [residual, &output.values].map(|values| steady(detrended(&values[range.clone()])));
+        let [left, all] = [residual, &output.values].map(|values| still(&values[range.clone()]));
         if power(&all.concat()) < power(&left.concat()) {
             all
         } else {
@@ -107,6 +107,12 @@ fn at_rest(output: &Output, residual: &[f64], quiet: &[std::ops::Range<usize>]) 
         }
     };
     quietest(quiet.iter().flat_map(quieter).collect())
+}
+
+/// A rest without its trend, what rings for a while, and steady vibrations.
+fn still(rest: &[f64]) -> Vec<Vec<f64>> {
+    let steady = steady(detrended(rest)).into_iter();
+    steady.map(without_lines).collect()
 }
 
 /// A rest, or those thirds of it that are as quiet as the quietest one, where the others are louder by more than chance: what
