@@ -153,7 +153,10 @@ fn what_tells_a_new_effect_from_its_neighbour_is_said() {
 #[test]
 fn the_help_lists_the_catalogue() {
     let help = long_help(with(&[&PUMP]));
-    assert!(help.contains(" external_disturbance, toy_pump\n"), "{help}");
+    assert!(
+        help.contains(" external_disturbance, harmonic_disturbance, toy_pump\n"),
+        "{help}"
+    );
 }
 
 /// The table of the book, as it should be.

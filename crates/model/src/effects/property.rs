@@ -117,13 +117,14 @@ impl Effect {
         self.recurs().then(time).flatten()
     }
 
-    /// Whether it belongs to one recording rather than to the machine: it acts from an instant on, comes from outside, or
-    /// follows a curve over the recording's time.
+    /// Whether it belongs to one recording rather than to the machine: it acts from an instant on, comes from outside with a
+    /// phase of its own, or follows a curve over the recording's time.
     pub fn happens(&self) -> bool {
         let over_time = |slot: Slot| slot.coordinate() == super::Coordinate::Time;
         let learned = self.is_learned() && self.slot().is_some_and(over_time);
-        let outside = self.places == [Place::Environment];
-        learned || outside || self.index(ParameterRole::Time).is_some()
+        let has = |role| self.index(role).is_some();
+        let outside = self.places == [Place::Environment] && has(ParameterRole::Phase);
+        learned || outside || has(ParameterRole::Time)
     }
 
     /// Whether a machine may have it more than once: it has its own instant, place, frequency or order.
