@@ -7,11 +7,14 @@ mod column;
 mod columns;
 mod content;
 mod drives;
+#[cfg(test)]
+mod exports;
 mod form;
 mod joint;
 mod joint_states;
 mod name;
 mod pairs;
+mod preamble;
 mod read;
 mod render;
 mod response;

@@ -75,16 +75,18 @@ impl Table {
             .ok_or_else(empty)?;
         let line = text.lines().nth(first).ok_or_else(empty)?;
         let below = first + usize::from(named.is_some());
+        let delimiter = layout.delimiter_of(line);
         let mut table = Self {
             path: path.into(),
-            delimiter: layout.delimiter_of(line) as u8,
+            delimiter: delimiter as u8,
             layout: layout.clone(),
             header: Vec::new(),
             header_line: 1 + first,
             body: line_start(&text, below),
             only: Vec::new(),
+            // A separator at the start is of an empty cell.
             text: line
-                .trim_start()
+                .trim_start_matches(|letter: char| letter.is_whitespace() && letter != delimiter)
                 .trim_start_matches(marks(layout))
                 .to_owned(),
         };

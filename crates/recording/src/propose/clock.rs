@@ -4,12 +4,21 @@ use super::super::stamp::{TIME_UNITS, TimeUnit, is_since_1970};
 use super::Guess;
 use super::column::Column;
 use super::content::Content;
+use super::preamble::Step;
 use super::split_stamps::{self, SplitStamps};
 use super::units;
 
 /// Rate, Hz, below which stamps are not assumed to be seconds: for a robot's slowest vibration of a few hertz
 /// there are less than two samples a period.
 const SLOWEST: f64 = 5.0;
+
+/// Units of stamps that are numbers.
+const NUMBERS: [TimeUnit; 4] = [
+    TimeUnit::Seconds,
+    TimeUnit::Milliseconds,
+    TimeUnit::Microseconds,
+    TimeUnit::Nanoseconds,
+];
 
 /// The clock of a file.
 pub enum Clock {
@@ -21,6 +30,8 @@ pub enum Clock {
     },
     /// A rate, Hz, that the last line of the file says.
     Rate(f64),
+    /// A step of the samples that a line above the table tells.
+    Told(Step),
     /// A rate in the place of stamps in two columns.
     Split(SplitStamps),
     /// A column that counts the samples, and no time.
@@ -69,7 +80,7 @@ pub fn of(content: &Content) -> Clock {
     if let Some(column) = named.or_else(dated) {
         let (unit, open) = match content.is_klipper() {
             true => (Guess::known(TimeUnit::Seconds), None),
-            false => unit(&columns[column]),
+            false => unit_of(content, &columns[column]),
         };
         return Clock::Stamps { column, unit, open };
     }
@@ -77,6 +88,11 @@ pub fn of(content: &Content) -> Clock {
         return Clock::Split(split);
     }
     match unnamed() {
+        Some(column) if by_step(content, &columns[column]).is_some() => {
+            let (unit, open) = unit_of(content, &columns[column]);
+            Clock::Stamps { column, unit, open }
+        }
+        _ if content.told_step.is_some() => told(content),
         None => Clock::None,
         Some(column) if counts(&columns[column]) => Clock::Counted(column),
         Some(column) => {
@@ -89,6 +105,27 @@ pub fn of(content: &Content) -> Clock {
             let unit = Guess::guessed(unit.value, grows);
             Clock::Stamps { column, unit, open }
         }
+    }
+}
+
+/// The clock by the step that the file tells.
+fn told(content: &Content) -> Clock {
+    content.told_step.clone().map_or(Clock::None, Clock::Told)
+}
+
+/// The unit in which the stamps of a column go by the step that the file tells, to the last digit of a rounded stamp.
+fn by_step(content: &Content, column: &Column) -> Option<TimeUnit> {
+    let told = content.told_step.as_ref()?.seconds;
+    let same = |unit: &TimeUnit| (step(column) * unit.in_seconds() / told - 1.0).abs() < 1e-3;
+    NUMBERS.into_iter().find(same)
+}
+
+/// The unit of a column of stamps, which the step that the file tells makes certain.
+fn unit_of(content: &Content, column: &Column) -> (Guess<TimeUnit>, Option<String>) {
+    let (guess, open) = unit(column);
+    match by_step(content, column).filter(|_| guess.why.is_some()) {
+        Some(unit) => (Guess::known(unit), None),
+        None => (guess, open),
     }
 }
 
@@ -146,12 +183,6 @@ fn unit(column: &Column) -> (Guess<TimeUnit>, Option<String>) {
         .copied()
         .find(|stamp| stamp.is_finite())
         .unwrap_or(0.0);
-    let numbers = [
-        TimeUnit::Seconds,
-        TimeUnit::Milliseconds,
-        TimeUnit::Microseconds,
-        TimeUnit::Nanoseconds,
-    ];
     let since_1970 = |unit: &TimeUnit| {
         let seconds = first * unit.in_seconds();
         is_since_1970(seconds)
@@ -159,13 +190,13 @@ fn unit(column: &Column) -> (Guess<TimeUnit>, Option<String>) {
     if let Some(unit) = told.or(words) {
         return (Guess::known(unit), None);
     }
-    if let Some(unit) = numbers.into_iter().find(since_1970) {
+    if let Some(unit) = NUMBERS.into_iter().find(since_1970) {
         return (Guess::known(unit), None);
     }
     let step = step(column);
     let rate = |unit: &TimeUnit| 1.0 / (step * unit.in_seconds());
     let fits = |unit: &TimeUnit| rate(unit) >= SLOWEST;
-    match numbers.into_iter().find(fits) {
+    match NUMBERS.into_iter().find(fits) {
         Some(TimeUnit::Seconds) => {
             let why = format!("that is {:.4} samples a second", rate(&TimeUnit::Seconds));
             (Guess::guessed(TimeUnit::Seconds, why), None)

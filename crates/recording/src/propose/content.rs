@@ -8,6 +8,7 @@ use super::column::{Bad, Column};
 use super::form;
 use super::joint_states;
 use super::name;
+use super::preamble::Step;
 use super::stand_in;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -25,6 +26,8 @@ pub struct Content {
     pub columns: Vec<Column>,
     /// Samples per second at the end of files of RepRapFirmware.
     pub told_rate_hz: Option<f64>,
+    /// The step of its samples that a line above its table tells.
+    pub told_step: Option<Step>,
 }
 
 impl Content {
@@ -80,6 +83,7 @@ impl Content {
         let titles = titles.unwrap_or_else(|| table.header().to_vec());
         Ok(Self {
             told_rate_hz,
+            told_step: form.step,
             ..Self::of_table(&table, layout, &titles)?
         })
     }
@@ -121,6 +125,7 @@ impl Content {
             layout,
             columns,
             told_rate_hz: None,
+            told_step: None,
         })
     }
 

@@ -2,7 +2,8 @@
 
 use super::super::layout::Layout;
 use super::cells::{is_marked, is_number, split, unmarked};
-use super::titles::{is_units, joined, of_block, repeated};
+use super::preamble::{self, is_property};
+use super::titles::{is_units, joined, named, of_block, repeated};
 
 /// Most lines that are read.
 const LOOKED_AT: usize = 300;
@@ -26,6 +27,8 @@ pub struct Form {
     pub layout: Layout,
     /// Names of the columns, if the layout has no header because a row of units stands below it, or one name stands twice.
     pub names: Option<Vec<String>>,
+    /// The step of the samples, if a line above the table tells it.
+    pub step: Option<preamble::Step>,
 }
 
 /// The layout of a text; `None` without rows of numbers.
@@ -57,7 +60,16 @@ pub fn of(text: &str) -> Option<Form> {
     let mut names = None;
     let mut above = (0..first)
         .rev()
-        .filter(|&line| !lines[line].trim().is_empty());
+        .filter(|&line| !lines[line].trim().is_empty())
+        .peekable();
+    // Properties may stand between the names and the numbers.
+    let mut are_between = false;
+    while above
+        .next_if(|&line| is_property(lines[line], delimiter))
+        .is_some()
+    {
+        are_between = true;
+    }
     let header = above.next().filter(|&line| cells(lines[line]) == count);
     match header {
         None => layout.header = Some(false),
@@ -76,7 +88,9 @@ pub fn of(text: &str) -> Option<Form> {
     if let Some(line) = header.filter(|_| names.is_none()) {
         let over = (0..line).rev().map(|over| lines[over]);
         let over = over.filter(|over| cells(over) == count && !marked(over));
-        names = of_block(lines[line], over, delimiter).or_else(|| repeated(lines[line], delimiter));
+        names = of_block(lines[line], over, delimiter)
+            .or_else(|| repeated(lines[line], delimiter))
+            .or_else(|| are_between.then(|| named(lines[line], delimiter)));
         if names.is_some() {
             layout.header = Some(false);
             layout.skip = Some(first);
@@ -105,7 +119,12 @@ pub fn of(text: &str) -> Option<Form> {
     {
         layout.comment = Some('R');
     }
-    Some(Form { layout, names })
+    let step = preamble::step(&lines[..first], delimiter);
+    Some(Form {
+        layout,
+        names,
+        step,
+    })
 }
 
 /// The first line of the table. Lines above it may contain numbers, too, `Writer_Version 2` or `X0 0.0 0.0`: a row has a
@@ -128,7 +147,7 @@ fn first_row(lines: &[&str], rows: &[&str], (delimiter, decimal): (char, char)) 
     };
     let all = columns.iter().filter(|is_numeric| **is_numeric).count();
     let is_plain = |line: &&&str| rows.contains(line);
-    let is_row = |line: &str| numbers(line) == Some(all);
+    let is_row = |line: &str| numbers(line) == Some(all) && !is_property(line, delimiter);
     let goes_on = |&line: &usize| {
         let below = lines[line + 1..].iter().find(is_plain);
         is_row(lines[line]) && below.is_none_or(|below| numbers(below).is_some())
@@ -137,7 +156,7 @@ fn first_row(lines: &[&str], rows: &[&str], (delimiter, decimal): (char, char)) 
     let mut above = (0..first).rev().filter(|&line| is_plain(&&lines[line]));
     while let Some(line) = above.next().filter(|&line| {
         let good = numbers(lines[line]);
-        good.is_some_and(|good| 2 * good >= all)
+        good.is_some_and(|good| 2 * good >= all) && !is_property(lines[line], delimiter)
     }) {
         first = line;
     }

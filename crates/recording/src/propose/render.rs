@@ -173,6 +173,10 @@ fn channel(file: &Read, channel: &Channel) -> String {
                 "rate_hz = {rate}  # the last line of the file says it"
             );
         }
+        Clock::Told(step) => {
+            let (rate, key) = (round(step.seconds.recip()), line(&step.key));
+            let _ = writeln!(text, "rate_hz = {rate}  # {key} above the table says it");
+        }
         Clock::Split(split) => {
             let (rate, why) = (round(split.rate_hz), split.words(file.content));
             let _ = writeln!(text, "rate_hz = {rate}  # guessed: {}", line(&why));

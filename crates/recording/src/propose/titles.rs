@@ -9,7 +9,7 @@ const NO_UNITS: [&str; 10] = [
 ];
 
 /// What a row of units may begin with.
-const LABELS: [&str; 4] = ["unit", "units", "einheit", "einheiten"];
+const LABELS: [&str; 5] = ["unit", "units", "einheit", "einheiten", "unit_string"];
 
 /// The names of columns in a block of lines above the numbers, as of a trace with a line of names, of types, of factors:
 /// those of the topmost line that has most names of roles, where the lowest has none. A line of units is joined to them.
@@ -42,10 +42,16 @@ pub fn of_block<'a>(
 
 /// The names of a header in which one stands twice: the columns are then called by their numbers.
 pub fn repeated(header: &str, delimiter: char) -> Option<Vec<String>> {
-    let names = split(unmarked(header), delimiter);
-    let again = |(k, name): (usize, &&str)| !name.is_empty() && names[..k].contains(name);
+    let names = named(header, delimiter);
+    let again = |(k, name): (usize, &String)| !name.is_empty() && names[..k].contains(name);
     let is_one = names.iter().enumerate().any(again);
-    is_one.then(|| names.iter().map(|name| (*name).to_owned()).collect())
+    is_one.then_some(names)
+}
+
+/// The names of a header.
+pub fn named(header: &str, delimiter: char) -> Vec<String> {
+    let names = split(unmarked(header), delimiter).into_iter();
+    names.map(str::to_owned).collect()
 }
 
 /// Whether a line contains only units, more than one. A cell may be blank, and a quantity without a physical unit has a
