@@ -74,12 +74,12 @@ pub enum Problem {
     #[error("{0}")]
     Toml(String),
     /// A key that manifests do not have.
-    #[error("unknown key \"{key}\"{}", suggestion(.nearest))]
+    #[error("unknown key \"{key}\"{advice}")]
     UnknownKey {
         /// The key.
         key: String,
-        /// The known key it resembles.
-        nearest: Option<&'static str>,
+        /// Where it belongs, or the known key it resembles.
+        advice: String,
     },
     /// A role that is not in the table of roles.
     #[error("unknown role \"{role}\"{}", suggestion(.nearest))]

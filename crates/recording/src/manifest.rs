@@ -4,9 +4,10 @@
 mod channel;
 mod csv;
 mod topic;
+mod unknown;
 mod values;
 
-use super::error::{Problem, RecordingError, from_io, nearest};
+use super::error::{Problem, RecordingError, from_io};
 use super::layout::Layout;
 use super::mcap::McapFile;
 use super::stamp::Origin;
@@ -17,37 +18,6 @@ use serde::Deserialize;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
-
-/// The keys of a manifest and of its channels, for suggestions.
-const KEYS: &[&str] = &[
-    "name",
-    "payload",
-    "rows",
-    "csv",
-    "channel",
-    "role",
-    "joint",
-    "file",
-    "time",
-    "time_unit",
-    "rate_hz",
-    "column",
-    "columns",
-    "topic",
-    "field",
-    "fields",
-    "unit",
-    "scale",
-    "offset",
-    "wrap",
-    "delimiter",
-    "decimal",
-    "comment",
-    "skip",
-    "header",
-    "missing",
-    "only",
-];
 
 /// The whole file.
 #[derive(Deserialize)]
@@ -246,7 +216,7 @@ impl Source<'_> {
         let problem = if error.message().starts_with("unknown field") {
             Problem::UnknownKey {
                 key: text.into(),
-                nearest: nearest(text, KEYS.iter().copied()),
+                advice: unknown::advice(text, error.message()),
             }
         } else {
             let told = SyntaxError::of(self.text, error);

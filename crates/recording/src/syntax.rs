@@ -148,7 +148,7 @@ fn unknown(message: &str) -> Option<String> {
 }
 
 /// The names that stand between back quotes.
-fn quoted(text: &str) -> Vec<&str> {
+pub(super) fn quoted(text: &str) -> Vec<&str> {
     text.split('`').skip(1).step_by(2).collect()
 }
 
