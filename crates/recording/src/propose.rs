@@ -20,6 +20,7 @@ mod render;
 mod response;
 mod restarts;
 mod roles;
+mod siemens;
 mod split_stamps;
 mod stand_in;
 mod theta;

@@ -1,6 +1,7 @@
 //! Names of signals that a standard or a maker of drives has fixed.
 
 use super::super::role::Role;
+use super::content::Content;
 use super::name::Name;
 
 /// Parameters of SERCOS drives by their numbers.
@@ -42,4 +43,32 @@ pub fn odrive(name: &Name) -> Option<(Role, &'static str)> {
     let holds = |own: &&(&[&str], Role, &str)| own.0.iter().all(has);
     let known = ODRIVE.iter().find(holds).filter(|_| is_axis)?;
     Some((known.1, known.2))
+}
+
+/// Signals of a recorder of Elmo by the commands that read them, and whether no other sensor can be meant: the auxiliary position is
+/// a second one.
+///
+/// Source: Elmo, SimplIQ Software Manual, default mapping of recorded signals: main speed and position, counts; active current, A;
+/// position command, counts; auxiliary position.
+const ELMO: &[(&[&str], Role, bool)] = &[
+    (&["px"], Role::MotorPosition, false),
+    (&["py"], Role::MotorPosition, false),
+    (&["vx"], Role::MotorVelocity, false),
+    (&["iq"], Role::MotorCurrent, true),
+    (&["dv", "3"], Role::CommandPosition, true),
+];
+
+/// The role of a signal of Elmo's recorder, and whether it is certain. `PX` and `PY` alone may be two axes, so that a current or a
+/// command of its own must stand beside it.
+pub fn elmo(content: &Content, index: usize) -> Option<(Role, bool)> {
+    let known = |name: &Name| ELMO.iter().find(|own| own.0.iter().eq(&name.words));
+    let own = known(&content.columns[index].name)?;
+    let all: Vec<_> = content
+        .columns
+        .iter()
+        .filter_map(|other| known(&other.name))
+        .collect();
+    let has = |role: Role| all.iter().any(|own| own.1 == role);
+    let is_recorder = has(Role::MotorPosition) && all.iter().any(|own| own.2);
+    is_recorder.then_some((own.1, own.2))
 }

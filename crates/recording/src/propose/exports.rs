@@ -100,3 +100,74 @@ fn the_step_of_a_waveform_is_told_as_a_rate() {
     let told = proposed(&head, |ms, u, y| format!("{ms},{u:.5},{y:.5}"));
     has(&head, &told, &["time = \"Time [ms]\""]);
 }
+
+#[test]
+fn the_second_encoder_of_a_drive_is_of_the_load() {
+    for head in [
+        "Time [ms];Actual position encoder 1 [\u{b0}];Actual position encoder 2 [\u{b0}]",
+        "Zeit [ms];Lageistwert Geber 1 [\u{b0}];Lageistwert Geber 2 [\u{b0}]",
+        "Time [ms];r0482[0];r0482[1]",
+        "Time [ms];r482[0] Encoder actual position value Gn_XIST1;r482[1] Encoder actual position value Gn_XIST1",
+        "Time [ms];Drive_1: r0482[0]: Encoder 1 actual position;Drive_1: r0482[1]: Encoder 2 actual position",
+    ] {
+        let told = proposed(head, |ms, u, y| format!("{ms};{u:.5};{y:.5}"));
+        has(
+            head,
+            &told,
+            &[
+                "role = \"motor_position\"  # guessed",
+                "role = \"link_position\"  # guessed",
+            ],
+        );
+        assert!(told.joints.is_empty(), "{head}: {:?}", told.joints);
+        let text = &told.manifests[0].text;
+        assert!(
+            text.find("motor_position") < text.find("link_position"),
+            "{text}"
+        );
+    }
+    let head = "Time [ms];r0063[0] [rpm];r0080 [Nm]";
+    let told = proposed(head, |ms, u, y| format!("{ms};{u:.5};{y:.5}"));
+    let text = &told.manifests[0].text;
+    assert!(
+        text.contains("motor_velocity") && text.contains("\"torque\""),
+        "{text}"
+    );
+    assert!(!text.contains("joint ="), "{text}");
+    // Two drives are two joints.
+    let head = "Time [ms];Drive_1: r0482[0];Drive_2: r0482[0]";
+    let told = proposed(head, |ms, u, y| format!("{ms};{u:.5};{y:.5}"));
+    assert_eq!(told.joints, ["drive_1", "drive_2"]);
+}
+
+#[test]
+fn commands_name_the_signals_of_a_recorder() {
+    let head = "Time [s],PX,DV[3],IQ";
+    let told = proposed(head, |ms, u, y| {
+        format!("{},{u:.0},{u:.0},{y:.3}", 1e-3 * ms as f64)
+    });
+    let words = [
+        "\"motor_position\"  # guessed",
+        "\"command_position\"\n",
+        "\"motor_current\"\n",
+        "unit = \"A\"",
+    ];
+    has(head, &told, &words);
+    // Two axes of a tracker are no drive.
+    let told = proposed("Time [s],PX,PY", |ms, u, y| {
+        format!("{},{u:.0},{y:.0}", 1e-3 * ms as f64)
+    });
+    assert!(
+        !told.manifests[0].text.contains("role = \"motor_position\""),
+        "{told:?}"
+    );
+    let head = "Time [s],Motor[1].ActPos,Motor[1].DesPos";
+    let told = proposed(head, |ms, u, y| {
+        format!("{},{u:.0},{y:.0}", 1e-3 * ms as f64)
+    });
+    has(
+        head,
+        &told,
+        &["role = \"motor_position\"", "role = \"command_position\""],
+    );
+}

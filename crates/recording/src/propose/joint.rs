@@ -4,8 +4,8 @@ use super::super::role::Role;
 use super::column::Column;
 use super::content::Content;
 use super::name;
-use super::tool;
 use super::words::{BESIDE, WORDS};
+use super::{drives, siemens, tool};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Roles that a joint has and a sensor beside it has not: a joint is what moves.
@@ -30,6 +30,10 @@ pub fn of(content: &Content, roles: &[Option<Role>]) -> Vec<Option<String>> {
     let joint = |(index, column): (usize, &Column)| {
         if tool::place(content, index).is_some() {
             return None;
+        }
+        // The numbers of encoders and of indices of a drive count no joints.
+        if siemens::role(content, index).is_some() || drives::elmo(content, index).is_some() {
+            return siemens::joint(content, index);
         }
         element(&column.title)
             .or_else(|| {

@@ -100,6 +100,8 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
         &["position", "pos", "angle", "point", "value"],
         false,
     ),
+    // Of Power PMAC: `Motor[1].DesPos`.
+    (Role::CommandPosition, &["des"], &["position", "pos"], false),
     (
         Role::MotorVelocity,
         &["motor"],
