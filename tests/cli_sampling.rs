@@ -91,7 +91,10 @@ fn a_fast_mode_of_an_accelerometer_alone_may_be_an_image() {
         let w = TAU * hertz;
         (-0.004 * w * t).exp() * (w * t).sin() + 1e-3 * noise((1e4 * t) as usize)
     };
-    for (hertz, words) in [(63.0, "37.00 Hz may be 63.00 Hz"), (8.0, "")] {
+    for (hertz, words) in [
+        (63.0, "37.00 Hz may be 63.00 Hz, or 137.00 or 163.00 Hz"),
+        (8.0, ""),
+    ] {
         let row = |k: u32| {
             format!(
                 "{:.2},{:.5}",

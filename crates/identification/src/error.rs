@@ -1,5 +1,6 @@
 //! Why a recording cannot be identified.
 
+use super::images::images;
 use quell_model::NO_RESONANCE;
 use quell_recording::{Role, plain};
 use quell_signal::SignalError;
@@ -153,11 +154,14 @@ pub enum IdentificationError {
     /// image of one above half the rate.
     #[error(
         "no mode was found from {:.3} to {:.1} Hz that explains the motion: where the motor side rests, the link rings at {hertz:.1} \
-         Hz. At {rate:.0} samples a second {:.1} Hz looks the same, so that the mode may lie above half the rate. The motion tells a \
-         mode with five samples in a period: record with {:.0} samples a second or more",
+         Hz. At {rate:.0} samples a second {:.1} Hz looks the same, and so do {:.1} and {:.1} Hz and further ones, so that the mode \
+         may lie above half the rate. The motion tells a mode with five samples in a period: record with {:.0} samples a second or \
+         more, and once more at another rate: a mode stays, an image moves",
         .searched[0],
         .searched[1],
-        rate - hertz,
+        images(*.hertz, *.rate)[0],
+        images(*.hertz, *.rate)[1],
+        images(*.hertz, *.rate)[2],
         (5.0 * (rate - hertz).max(*hertz)).ceil()
     )]
     Above {

@@ -5,6 +5,7 @@ mod amplitude;
 mod error;
 mod evidence;
 mod follows;
+mod images;
 mod input_noise;
 mod motor_side;
 mod nominal_model;
@@ -23,6 +24,7 @@ mod whole_fit;
 
 pub use amplitude::{AmplitudeDependence, CycleDamping};
 pub use error::IdentificationError;
+pub use images::images;
 pub use motor_side::{motor_side, rests};
 pub use nominal_model::NominalModel;
 pub use prepare::{Series, prepare};

@@ -2,6 +2,7 @@
 
 use super::alone::Alone;
 use super::words;
+use crate::identification::images;
 use crate::identification::output_only::{Excitation, FoundMode, LeftOut, Reason};
 
 impl Alone {
@@ -58,8 +59,8 @@ impl Alone {
 }
 
 impl Alone {
-    /// A sentence on the modes that may be images of faster ones: at `fs` samples a second `f` and `fs - f` look the same, at even
-    /// stamps. Below a fifth of the rate the nearest image is two octaves above, or more.
+    /// A sentence on the modes that may be images of faster ones: at `fs` samples a second `f` and any `k fs +- f` look the same, at
+    /// even stamps. Below a fifth of the rate the nearest image is two octaves above, or more.
     ///
     /// Source: C. E. Shannon, Communication in the presence of noise, Proc. IRE 37 (1949). The bandwidth of a usual
     /// accelerometer is half its rate (data sheet of the ADXL345), with a filter that does not end there.
@@ -70,14 +71,19 @@ impl Alone {
             .into_iter()
             .map(|known| known.mode.hertz());
         let fast = hertz.filter(|hertz| *hertz > 0.2 * rate);
-        let one = |hertz: f64| format!("{hertz:.2} Hz may be {:.2} Hz", rate - hertz);
+        let one = |hertz: f64| {
+            let [first, second, third] = images(hertz, rate);
+            format!(
+                "{hertz:.2} Hz may be {first:.2} Hz, or {second:.2} or {third:.2} Hz and further ones"
+            )
+        };
         let all: Vec<String> = fast.map(one).collect();
         (!all.is_empty()).then(|| {
             format!(
                 "At {rate:.0} samples a second a mode above {:.0} Hz looks like one below, where the sensor has no filter against it: \
                  {}. Record once more at another rate: a mode stays, an image moves.",
                 0.5 * rate,
-                all.join(", ")
+                all.join("; ")
             )
         })
     }
