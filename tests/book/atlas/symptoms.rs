@@ -59,8 +59,9 @@ fn shown(arm: &Arm, term: &Term) -> Vec<&'static str> {
     let mut found = [false; SYMPTOMS.len()];
     found[0] = share(&change, &at_rest(&change)) > HALF;
     found[1] = !found[0] && share(&change, &rates(&plain)) > MOSTLY;
-    // What a sensor does makes nothing ring otherwise.
-    if arm.model.mode().is_some() && term.place != Place::Sensor {
+    // What a sensor does, or something outside, makes the machine ring no other way.
+    let of_machine = !matches!(term.place, Place::Sensor | Place::Environment);
+    if arm.model.mode().is_some() && of_machine {
         let nominal = rings(&plain);
         let own = rings(&with);
         // A tail that does not swing has stopped before.

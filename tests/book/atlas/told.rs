@@ -3,7 +3,7 @@
 use super::symptoms::{OVER_AMPLITUDE, OVER_TIME, SHIFTED};
 
 /// Each symptom, and the effects whose physics causes it.
-pub const TOLD: [(&str, &[&str]); 25] = [
+pub const TOLD: [(&str, &[&str]); 26] = [
     (OVER_AMPLITUDE, &["cubic_stiffness", "bilinear_stiffness"]),
     (OVER_TIME, &["payload_change", "stiffness_drift"]),
     (SHIFTED, &["drive_lag", "drive_delay"]),
