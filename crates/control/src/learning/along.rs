@@ -28,7 +28,7 @@ impl Learner {
         if samples.len() < FEWEST {
             return None;
         }
-        let places = surroundings.places(&way, self.settings.inertia.as_ref());
+        let places = self.places(&way, surroundings);
         let Explanation { fit, .. } = self.explain(&samples, way, &places)?;
         let expected: Vec<Expected> = fit.modes.iter().map(Expected::from).collect();
         let modes = self.modes_on_way(plan, way, &expected);

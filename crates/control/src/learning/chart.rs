@@ -48,7 +48,9 @@ impl Learner {
             .map(|way| way.nodes()[NODES - 1])
             .collect();
         let inertia = self.settings.inertia.as_ref();
-        let place = |position| Place::new(position, others.clone(), surroundings.payload, inertia);
+        let (payload, load) = (surroundings.payload, self.loads.present);
+        let place =
+            |position| Place::new(position, others.clone(), payload, inertia).with_load(load);
         self.modes
             .iter()
             .map(|mode| chart(mode, positions, place))

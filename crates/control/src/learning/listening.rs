@@ -3,6 +3,7 @@
 use super::cause::Cause;
 use super::fit::{Fit, Problem};
 use super::forecast::{Expected, Forecast};
+use super::loads::ModesOf;
 use super::map::Place;
 use super::mode_map::ModeMap;
 use super::monitor::{self, Outcome};
@@ -23,8 +24,8 @@ const COLOURED: f64 = 1.5;
 pub(super) struct Explanation {
     /// Its fit.
     pub fit: Fit,
-    /// Whether its modes are the known ones.
-    pub are_theirs: bool,
+    /// Whose modes they are.
+    pub modes_of: ModesOf,
     /// Logarithm of the odds that the inertia changes along the way, and not the stiffness, with this move.
     pub odds: f64,
 }
@@ -47,23 +48,39 @@ impl Learner {
         if samples.len() < FEWEST {
             return None;
         }
-        let places = surroundings.places(&way, self.settings.inertia.as_ref());
+        let places = self.places(&way, surroundings);
         let Some(explanation) = self.explain(&samples, way, &places) else {
-            self.modes.clear();
+            self.take(ModesOf::Nobody);
             self.unexplained = 1.0;
             return None;
         };
         let Explanation {
             fit,
-            are_theirs,
+            modes_of,
             odds,
         } = explanation;
         self.odds = odds;
-        if !are_theirs {
-            // The arm has changed since the map was learned, or is not described by modes: the old map is of no
-            // use.
+        self.take(modes_of);
+        self.keep(&fit, &self.loads.of_present(places));
+        // The map that prescribed had another load: what its train leaves says nothing of the present one.
+        if modes_of != ModesOf::AnotherLoad {
+            self.watch(pending, &fit, way, (plan, &samples));
+        }
+        Some(Explained { fit, way })
+    }
+
+    /// Counts whose modes a move had, and forgets a map that has failed: the arm has changed, or is not described by modes.
+    fn take(&mut self, modes_of: ModesOf) {
+        if !self.modes.is_empty() {
+            self.loads.take(modes_of);
+        }
+        if modes_of == ModesOf::Nobody {
             self.modes.clear();
         }
+    }
+
+    /// Adds a fit to the maps of its modes.
+    fn keep(&mut self, fit: &Fit, places: &[Place; NODES]) {
         for (k, fitted) in fit.modes.iter().enumerate() {
             if k == self.modes.len() {
                 // The spring of the lowest mode is the joint's. No description says how the other modes follow
@@ -76,10 +93,8 @@ impl Learner {
                         false => ModeMap::new(log_w),
                     });
             }
-            self.modes[k].learn(fitted, &places);
+            self.modes[k].learn(fitted, places);
         }
-        self.watch(pending, &fit, way, (plan, &samples));
-        Some(Explained { fit, way })
     }
 
     /// Cancels the prescription: its move is not made, or is another one.
@@ -96,17 +111,17 @@ impl Learner {
         places: &[Place; NODES],
     ) -> Option<Explanation> {
         let (likely, other) = self.causes(self.odds);
-        let (fit, are_theirs) = self.explain_by(likely, samples, way, places)?;
+        let (fit, modes_of) = self.explain_by(likely, samples, way, places)?;
         let mut explanation = Explanation {
             odds: self.odds,
             fit,
-            are_theirs,
+            modes_of,
         };
         explanation.odds += self.odds_of(&explanation.fit, other, samples, way);
         if self.causes(explanation.odds).0 == other
             && let Some(better) = self.explain_by(other, samples, way, places)
         {
-            (explanation.fit, explanation.are_theirs) = better;
+            (explanation.fit, explanation.modes_of) = better;
         }
         Some(explanation)
     }
@@ -129,45 +144,49 @@ impl Learner {
         })
     }
 
-    /// The fit of a move with one cause, and whether its modes are the known ones.
+    /// The fit of a move with one cause, and whose modes it has.
     fn explain_by(
         &self,
         cause: Cause,
         samples: &[Sample],
         way: Way,
         places: &[Place; NODES],
-    ) -> Option<(Fit, bool)> {
+    ) -> Option<(Fit, ModesOf)> {
         let range = self.settings.natural_frequency.map(f64::ln);
         let range = (range[0], range[1]);
-        let priors: Vec<Prior> = self.modes.iter().map(|mode| mode.prior(places)).collect();
         let fit = |priors: &[Prior]| {
             let mut problem = Problem::new(samples, way, range, cause);
             order::explain(samples, &mut problem, priors)
         };
-        let known = match priors.as_slice() {
-            [] => None,
-            priors => fit(priors).filter(|found| self.is_theirs(found)),
+        let fit_at = |places: &[Place; NODES]| {
+            let priors: Vec<Prior> = self.modes.iter().map(|mode| mode.prior(places)).collect();
+            let any = !priors.is_empty();
+            let found = any.then(|| fit(&priors)).flatten();
+            found.filter(|found| self.is_theirs(found))
         };
+        let known = fit_at(places);
         // Only white noise is left, and no mode had to be added: no other fit can be better.
-        let is_enough = |fit: &Fit| fit.inflation <= COLOURED && fit.modes.len() == priors.len();
+        let is_enough =
+            |fit: &Fit| fit.inflation <= COLOURED && fit.modes.len() == self.modes.len();
         if known.as_ref().is_some_and(is_enough) {
-            return known.map(|fit| (fit, true));
+            return known.map(|fit| (fit, ModesOf::Map));
         }
-        let anew = fit(&[]);
-        match (known, anew) {
-            // The map stays unless the samples exclude it, or fewer modes explain them as well. A mode that has
-            // shifted is still the same mode.
-            (Some(known), Some(anew)) => {
-                let fewer = anew.modes.len() < known.modes.len();
-                let as_good = fewer && !order::excludes(&known, &anew, samples);
-                match as_good || order::excludes(&anew, &known, samples) {
-                    true => Some((anew, false)),
-                    false => Some((known, true)),
-                }
-            }
-            (Some(known), None) => Some((known, true)),
-            (None, anew) => anew.map(|fit| (fit, false)),
+        let Some(anew) = fit(&[]) else {
+            return known.map(|fit| (fit, ModesOf::Map));
+        };
+        // The map stays unless the samples exclude it, or fewer modes explain them as well. A mode that has
+        // shifted is still the same mode.
+        let stays = |known: &Fit| {
+            let fewer = anew.modes.len() < known.modes.len();
+            let as_good = fewer && !order::excludes(known, &anew, samples);
+            !as_good && !order::excludes(&anew, known, samples)
+        };
+        if let Some(known) = known.filter(stays) {
+            return Some((known, ModesOf::Map));
         }
+        let other = fit_at(&self.loads.another(places)).filter(stays);
+        let other = other.map(|fit| (fit, ModesOf::AnotherLoad));
+        Some(other.unwrap_or((anew, ModesOf::Nobody)))
     }
 
     /// Whether the modes of a fit are those of the map, and still oscillate.

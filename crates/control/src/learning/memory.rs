@@ -4,6 +4,7 @@ use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use super::Learner;
+use super::loads::Loads;
 use super::map::{Block, Place};
 use super::mode_map::ModeMap;
 use super::monitor::Monitor;
@@ -28,6 +29,9 @@ pub struct Memory {
     /// Logarithm of the odds that the inertia changes along the way, and not the stiffness.
     #[serde(default)]
     pub odds: f64,
+    /// Moves at which the load could have changed, and at which it has, undeclared; the same of the map's failures.
+    #[serde(default)]
+    pub loads: [[f64; 2]; 2],
 }
 
 /// A mode.
@@ -57,6 +61,9 @@ pub struct MoveMemory {
     /// The payload relative to [`OLDER`], as in older files.
     #[serde(default, rename = "payload", skip_serializing)]
     pub older_payload: f64,
+    /// Number of the load that nobody declared.
+    #[serde(default)]
+    pub load: usize,
     /// `ln J` of a description at the nodes; 0 without one.
     #[serde(default)]
     pub described: [f64; NODES],
@@ -102,7 +109,8 @@ impl Memory {
             && self.odds.is_finite()
             && self.modes.len() <= MOST;
         let maps = self.modes.iter().map(ModeMemory::map);
-        maps.collect::<Option<_>>().filter(|_| sound)
+        let maps: Option<Vec<ModeMap>> = maps.collect();
+        maps.filter(|maps| sound && Loads::remembered(self.loads, maps).is_some())
     }
 }
 
@@ -121,12 +129,16 @@ impl Learner {
             variance,
             unexplained: self.unexplained,
             odds: self.odds,
+            loads: self.loads.counts(),
         }
     }
 
     /// Replaces the knowledge by a stored one. Returns false and changes nothing if it is not valid.
     pub fn remember(&mut self, memory: &Memory) -> bool {
         let Some(modes) = memory.maps() else {
+            return false;
+        };
+        let Some(loads) = Loads::remembered(memory.loads, &modes) else {
             return false;
         };
         self.forget();
@@ -149,6 +161,7 @@ impl Learner {
         };
         self.unexplained = memory.unexplained;
         self.odds = memory.odds;
+        self.loads = loads;
         true
     }
 }
@@ -202,6 +215,7 @@ impl MoveMemory {
             others: others.map(|(from, to)| [*from, *to]).collect(),
             payload_kg: first.payload,
             older_payload: 0.0,
+            load: first.load,
             described: inertia.places.each_ref().map(|place| place.described),
             precision: upper.map(|at| inertia.precision[at]).collect(),
             vector: inertia.vector.into(),
@@ -240,6 +254,7 @@ impl MoveMemory {
             position: nodes(self.way)[n],
             others: self.others.iter().map(|way| nodes(*way)[n]).collect(),
             payload: self.payload_kg + OLDER * self.older_payload,
+            load: self.load,
         });
         let only =
             |value: f64| SVector::<f64, NODES>::from_fn(|n, _| if n == 1 { value } else { 0.0 });

@@ -17,6 +17,7 @@ mod described;
 mod fit;
 mod forecast;
 mod listening;
+mod loads;
 mod map;
 mod memory;
 mod mode_map;
@@ -29,6 +30,7 @@ mod prescription;
 mod response;
 mod simplex;
 
+use self::loads::Loads;
 use self::map::Place;
 use self::mode_map::ModeMap;
 use self::monitor::Monitor;
@@ -76,11 +78,11 @@ impl Surroundings {
         Self { others, payload }
     }
 
-    fn places(&self, way: &Way, inertia: Option<&Inertia>) -> [Place; NODES] {
+    fn places(&self, way: &Way, inertia: Option<&Inertia>, load: usize) -> [Place; NODES] {
         let nodes = way.nodes();
         core::array::from_fn(|n| {
             let others = self.others.iter().map(|other| other.nodes()[n]);
-            Place::new(nodes[n], others.collect(), self.payload, inertia)
+            Place::new(nodes[n], others.collect(), self.payload, inertia).with_load(load)
         })
     }
 }
@@ -103,6 +105,7 @@ pub struct Learner {
     unexplained: f64,
     /// Logarithm of the odds that the inertia changes along the way, and not the stiffness, by the moves so far.
     odds: f64,
+    loads: Loads,
     pending: Option<Pending>,
 }
 
@@ -115,6 +118,7 @@ impl Learner {
             monitor: Monitor::default(),
             unexplained: 0.0,
             odds: 0.0,
+            loads: Loads::default(),
             pending: None,
         }
     }
@@ -135,6 +139,11 @@ impl Learner {
         self.monitor = Monitor::default();
         self.unexplained = 0.0;
         self.odds = 0.0;
+        self.loads = Loads::default();
         self.pending = None;
+    }
+
+    fn places(&self, way: &Way, surroundings: &Surroundings) -> [Place; NODES] {
+        surroundings.places(way, self.settings.inertia.as_ref(), self.loads.present)
     }
 }

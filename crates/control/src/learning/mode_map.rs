@@ -87,7 +87,8 @@ impl ModeMap {
     /// `ln d' - ln d`, and `ln w_ref' = ln w_ref + s / 2`.
     pub fn under(self, inertia: Option<&Inertia>) -> Self {
         let now = |place: &Place| {
-            Place::new(place.position, place.others.clone(), place.payload, inertia)
+            let others = place.others.clone();
+            Place::new(place.position, others, place.payload, inertia).with_load(place.load)
         };
         let blocks = self.inertia.blocks();
         let known: Vec<[Place; NODES]> = blocks

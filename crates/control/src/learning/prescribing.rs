@@ -22,7 +22,8 @@ impl Learner {
         in_force: &GridTrain,
     ) -> Prescription {
         let expected = self.expected(plan, surroundings);
-        self.prescribe_for(plan, &expected, in_force)
+        let another = self.with_another_load(plan, surroundings);
+        self.prescribe_for(plan, [&expected, &another], in_force)
     }
 
     /// The same for a plan that may be stopped anywhere on its way, such as a jog: the train suits the modes at
@@ -33,30 +34,42 @@ impl Learner {
         surroundings: &Surroundings,
         in_force: &GridTrain,
     ) -> Prescription {
-        let expected = self.expected(plan, surroundings);
-        let expected: Vec<Expected> = expected.iter().map(Expected::anywhere).collect();
-        self.prescribe_for(plan, &expected, in_force)
+        let anywhere = |modes: Vec<Expected>| modes.iter().map(Expected::anywhere).collect();
+        let expected: Vec<Expected> = anywhere(self.expected(plan, surroundings));
+        let another: Vec<Expected> = anywhere(self.with_another_load(plan, surroundings));
+        self.prescribe_for(plan, [&expected, &another], in_force)
     }
 
     fn expected(&self, plan: &SampledTrajectory, surroundings: &Surroundings) -> Vec<Expected> {
-        let places = surroundings.places(&Way::of(plan), self.settings.inertia.as_ref());
+        let places = self.places(&Way::of(plan), surroundings);
+        self.modes.iter().map(|m| m.expected(&places)).collect()
+    }
+
+    /// The modes as they are where the load is another one by then.
+    fn with_another_load(
+        &self,
+        plan: &SampledTrajectory,
+        surroundings: &Surroundings,
+    ) -> Vec<Expected> {
+        let places = self
+            .loads
+            .another(&self.places(&Way::of(plan), surroundings));
         self.modes.iter().map(|m| m.expected(&places)).collect()
     }
 
     fn prescribe_for(
         &mut self,
         plan: &SampledTrajectory,
-        expected: &[Expected],
+        [expected, another]: [&[Expected]; 2],
         in_force: &GridTrain,
     ) -> Prescription {
         let way = Way::of(plan);
         let known = self.modes_on_way(plan, way, expected);
-        let mut shaped: Vec<Expected> = expected
-            .iter()
-            .zip(&known)
-            .filter(|(_, on_way)| on_way.shaped)
-            .map(|(mode, _)| *mode)
-            .collect();
+        let shaped = |modes: &[Expected]| {
+            let on_way = modes.iter().zip(&known).filter(|(_, on_way)| on_way.shaped);
+            on_way.map(|(mode, _)| *mode).collect::<Vec<_>>()
+        };
+        let mut shaped = self.loads.mixture(&shaped(expected), &shaped(another));
         let hold = self.hold(&known);
         let mut prescription = Prescription {
             train: None,
@@ -93,7 +106,8 @@ impl Learner {
     }
 
     /// The unexplained vibration as a pseudo-mode: of the same size, with only the belief as knowledge. A train
-    /// that suits the modes but not the belief is thus chosen only for the part that the modes do explain.
+    /// that suits the modes but not the belief is thus chosen only for the part that the modes do explain. Of a map that fails,
+    /// with probability `p`, that is nothing: the expected unexplained part over the explained one is `u + p / (1 - p)`.
     fn unknown(&self, modes: &[Expected]) -> Expected {
         let belief = self.settings.belief;
         let (xi, square) = (belief.damping_ratio(), |x: f64| x * x);
@@ -106,13 +120,15 @@ impl Learner {
             .fixed_view_mut::<NODES, NODES>(0, 0)
             .fill(square(BELIEF.0));
         let shares: f64 = modes.iter().map(|mode| square(mode.share)).sum();
+        let fails = self.loads.failures.probability();
+        let unexplained = self.unexplained + fails / (1.0 - fails);
         Expected {
             point: Point {
                 log_w: [belief.natural_frequency().ln(); NODES],
                 xi,
             },
             covariance,
-            share: (self.unexplained * shares).sqrt(),
+            share: (unexplained * shares).sqrt(),
         }
     }
 
