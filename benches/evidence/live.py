@@ -12,7 +12,7 @@ SOAKS = {
     "1 min at 4 kHz": f"{SOAK} --minutes 1 --rate 4000",
     "1 min at 1 kHz, 3 joints": f"{SOAK} --minutes 1 --joints 3",
 }
-CAMPAIGNS = ("95000", "83000", "71000")
+CAMPAIGNS = ("95000", "83000", "71000", "131000")
 FUZZ = Path(__file__).resolve().parent.parent.parent / "fuzz"
 
 

@@ -1,4 +1,4 @@
-//! The state of everything now, for `GET /api/state`, `GET /api/estimates` and `GET /metrics`.
+//! The state of everything now, for `GET /api/v1/state`, `GET /api/v1/estimates` and `GET /metrics`.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
