@@ -746,7 +746,7 @@ fn a_gap_in_a_move_is_no_impact() {
     rows.retain(|row| !(3.55..3.85).contains(&row[0]));
     let folder = folder();
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
-    let noise = |t: f64| 4e-5 * ((t * 1e4).sin() * 43758.545).fract();
+    let noise = |t: f64| 8e-5 * (((t * 1e4).sin() * 43758.545).fract().abs() - 0.5);
     write(
         "gap.csv",
         &file(SIDES, &rows, |t, [u, y]| [u, y + noise(t)]),

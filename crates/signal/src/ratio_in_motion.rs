@@ -66,7 +66,7 @@ impl Series {
         let found = factor.solve(&right);
         let free = rows / OVERLAP as f64 - UNKNOWNS as f64;
         // The difference of two sums is not known better than they are rounded: it is no proof of a gain.
-        let rounded = rows * f64::EPSILON * square;
+        let rounded = rows.sqrt() * f64::EPSILON * square;
         let left = (square - right.dot(&found)).max(rounded) / OVERLAP as f64;
         let variance = factor.inverse()[(0, 0)] * OVERLAP as f64 * left / free;
         let gain = Gain {
