@@ -221,6 +221,31 @@ fn knocks_belong_to_their_recordings() {
     assert!(fit.model_alone.unwrap().train_rms > 1.5 * fit.after.train_rms);
 }
 
+/// Knocks beside an effect of a single parameter: all are told.
+#[test]
+fn knocks_are_told_beside_friction() {
+    let machine = joint();
+    let [knock, friction] =
+        ["external_disturbance", "coulomb_friction"].map(|name| Effect::from_name(name).unwrap());
+    let when = knock.event_time().unwrap();
+    let knocks = [(1.1, 1.0), (2.9, -0.6), (4.6, 0.8)].map(|(time, factor)| {
+        let mut term = typical(&machine, knock, Place::Environment, factor);
+        term.values[when] = time;
+        term
+    });
+    let rub = typical(&machine, friction, Place::Link, 1.0);
+    let all: Vec<Term> = knocks.into_iter().chain([rub]).collect();
+    let said = outcome(&machine, &[conceal_all(&machine, &all, 1).recording]).diagnosis;
+    println!("{}", said.summary);
+    let mut told: Vec<&str> = said
+        .findings
+        .iter()
+        .map(|own| own.effect.as_str())
+        .collect();
+    told.sort_unstable();
+    assert_eq!(told, ["coulomb_friction", "external_disturbance"]);
+}
+
 /// A fan beside the machine runs through two recordings: one finding, with a phase of its own in each. The better model
 /// does not have it.
 #[test]

@@ -87,8 +87,8 @@ impl Search<'_> {
         let mut added = point.terms.split_off(point.given_terms);
         let when = event.effect.event_time();
         let time = |term: &Term| {
-            let time = when.map(|when| term.values[when]);
-            is_like(term, event).then_some((term.recording, time))
+            let time = || when.map(|when| term.values[when]);
+            is_like(term, event).then(|| (term.recording, time()))
         };
         let order = |a: &Term, b: &Term| time(a).partial_cmp(&time(b));
         added.sort_by(|a, b| order(a, b).unwrap_or(Ordering::Equal));

@@ -1,9 +1,9 @@
 //! Steady vibrations at rest: lines that stand out of a rest's spectrum.
 //!
-//! A fan or a pump is no noise: one sine explains it through the whole recording. Hum below the noise is a part of it. In noise of a smooth spectrum the power
-//! of a line over the mean of `n` independent lines beside it has an F distribution of 2 and 2 n degrees of freedom, which
-//! exceeds `x` with the probability `(1 + x / n)^-n`. Source: Priestley, Spectral Analysis and Time Series (1981), section
-//! 6.1.4; Fisher, Proc. Royal Society A 125 (1929).
+//! A fan or a pump is no noise: one sine explains it through the whole recording. Hum below the noise is a part of it. In
+//! noise of a smooth spectrum the power of a line over the mean of `n` independent lines beside it has an F distribution of 2
+//! and 2 n degrees of freedom, which exceeds `x` with the probability `(1 + x / n)^-n`. Source: Priestley, Spectral Analysis
+//! and Time Series (1981), section 6.1.4; Fisher, Proc. Royal Society A 125 (1929).
 
 use quell_signal::{Window, golden_section, spectrum};
 use std::f64::consts::PI;
