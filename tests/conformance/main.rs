@@ -11,7 +11,7 @@ mod sets;
 
 use concealed::{conceal, conceal_all, typical};
 use machines::{Machine, axis, commanded, gauge, held, joint, looped, oscillator, two_masses};
-use quell::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose};
+use quell::diagnosis::{Diagnosis, Finding, Options, Outcome, Verdict, diagnose};
 use quell::effects::{EFFECTS, Effect, PLACES, ParameterRole, Place};
 use quell::model::{Departure, Experiment, Term, simulate};
 use quell::recording::Recording;
@@ -165,8 +165,8 @@ fn a_further_mode_is_found_wherever_it_is() {
     }
 }
 
-/// A recording of a machine that was knocked against at these times, this hard.
-fn knocked(machine: &Machine, name: &str, knocks: &[(f64, f64)], seed: u64) -> Recording {
+/// Knocks against a machine at these times, this hard.
+fn knocks(machine: &Machine, all: &[(f64, f64)]) -> Vec<Term> {
     let effect = Effect::from_name("external_disturbance").unwrap();
     let when = effect.event_time().unwrap();
     let knock = |&(time, factor): &(f64, f64)| {
@@ -174,11 +174,25 @@ fn knocked(machine: &Machine, name: &str, knocks: &[(f64, f64)], seed: u64) -> R
         term.values[when] = time;
         term
     };
-    let knocks: Vec<Term> = knocks.iter().map(knock).collect();
+    all.iter().map(knock).collect()
+}
+
+/// A recording of a machine that was knocked against at these times, this hard.
+fn knocked(machine: &Machine, name: &str, all: &[(f64, f64)], seed: u64) -> Recording {
     Recording {
         name: name.into(),
-        ..conceal_all(machine, &knocks, seed).recording
+        ..conceal_all(machine, &knocks(machine, all), seed).recording
     }
+}
+
+/// The finding of a diagnosis that names one.
+fn only(said: &Diagnosis) -> &Finding {
+    println!("{}", said.summary);
+    assert_eq!(said.verdict, Verdict::Named);
+    let [finding] = &said.findings[..] else {
+        panic!("{}", said.summary);
+    };
+    finding
 }
 
 /// A machine that was knocked against five times in two recordings: one finding, which tells when and where. What
@@ -194,11 +208,7 @@ fn knocks_belong_to_their_recordings() {
     ];
     let outcome = outcome(&machine, &recordings);
     let said = &outcome.diagnosis;
-    println!("{}", said.summary);
-    assert_eq!(said.verdict, Verdict::Named);
-    let [finding] = &said.findings[..] else {
-        panic!("{}", said.summary);
-    };
+    let finding = only(said);
     let told = finding.parameters.iter();
     let told = told.filter(|parameter| parameter.name.starts_with("time"));
     let told = told.map(|parameter| parameter.value);
@@ -225,16 +235,9 @@ fn knocks_belong_to_their_recordings() {
 #[test]
 fn knocks_are_told_beside_friction() {
     let machine = joint();
-    let [knock, friction] =
-        ["external_disturbance", "coulomb_friction"].map(|name| Effect::from_name(name).unwrap());
-    let when = knock.event_time().unwrap();
-    let knocks = [(1.1, 1.0), (2.9, -0.6), (4.6, 0.8)].map(|(time, factor)| {
-        let mut term = typical(&machine, knock, Place::Environment, factor);
-        term.values[when] = time;
-        term
-    });
-    let rub = typical(&machine, friction, Place::Link, 1.0);
-    let all: Vec<Term> = knocks.into_iter().chain([rub]).collect();
+    let friction = Effect::from_name("coulomb_friction").unwrap();
+    let mut all = knocks(&machine, &[(1.1, 1.0), (2.9, -0.6), (4.6, 0.8)]);
+    all.push(typical(&machine, friction, Place::Link, 1.0));
     let said = outcome(&machine, &[conceal_all(&machine, &all, 1).recording]).diagnosis;
     println!("{}", said.summary);
     let mut told: Vec<&str> = said
@@ -263,11 +266,7 @@ fn a_fan_belongs_to_its_recordings() {
     });
     let outcome = outcome(&machine, &recordings);
     let said = &outcome.diagnosis;
-    println!("{}", said.summary);
-    assert_eq!(said.verdict, Verdict::Named);
-    let [finding] = &said.findings[..] else {
-        panic!("{}", said.summary);
-    };
+    let finding = only(said);
     let mut happened = finding.happened_in.clone();
     happened.sort();
     assert_eq!(happened, ["Monday", "Tuesday"]);

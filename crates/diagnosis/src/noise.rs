@@ -286,12 +286,7 @@ mod tests {
     /// White and slow noise are taken whole; of a rest in whose last third something rings, the other two are left.
     #[test]
     fn of_a_rest_the_third_that_rings_is_left_out() {
-        let slow = Whitening {
-            coefficients: vec![0.9],
-            moving_average: Vec::new(),
-            innovation: 0.19_f64.sqrt(),
-            deviation: 1.0,
-        };
+        let slow = Whitening::one_pole(0.9, 0.19_f64.sqrt());
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
         let white = Whitening::white(1.0).draw(600, &mut random);
         for whole in [white.clone(), slow.draw(600, &mut random)] {

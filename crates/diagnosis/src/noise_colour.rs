@@ -50,16 +50,9 @@ pub fn colour(residual: &[f64], period: f64, frequency: f64) -> Option<Whitening
     // are independent without padding.
     let count = band.len() as f64 * (TAU / (lines.resolution * period) / n).recip().min(1.0);
     let better = 2.0 * count * (white.1 / found.1).ln() > count.ln();
-    let (pole, innovation) = if better {
-        (pole, found.0)
-    } else {
-        (0.0, white.0)
-    };
-    Some(Whitening {
-        coefficients: if better { vec![pole] } else { Vec::new() },
-        moving_average: Vec::new(),
-        innovation,
-        deviation: innovation / (1.0 - pole * pole).sqrt(),
+    Some(match better {
+        true => Whitening::one_pole(pole, found.0),
+        false => Whitening::white(white.0),
     })
 }
 
@@ -80,12 +73,7 @@ mod tests {
 
     #[test]
     fn a_pole_is_found_under_a_mode_and_none_in_white_noise() {
-        let truth = Whitening {
-            coefficients: vec![0.5],
-            moving_average: Vec::new(),
-            innovation: 2.0,
-            deviation: 2.0 / 0.75_f64.sqrt(),
-        };
+        let truth = Whitening::one_pole(0.5, 2.0);
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
         for (truth, poles) in [(truth, 1), (Whitening::white(2.0), 0)] {
             let ringing = |t: f64| 300.0 * (-t).exp() * (50.0 * t).sin();

@@ -118,12 +118,7 @@ mod tests {
     /// Two loud sines go, a quiet one stays; white noise and noise of one pole stay whole.
     #[test]
     fn sines_go_and_noise_stays() {
-        let slow = Whitening {
-            coefficients: vec![0.9],
-            moving_average: Vec::new(),
-            innovation: 0.19_f64.sqrt(),
-            deviation: 1.0,
-        };
+        let slow = Whitening::one_pole(0.9, 0.19_f64.sqrt());
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(7);
         for length in [300, 700, 2500] {
             for own in [Whitening::white(1.0), slow.clone()] {

@@ -43,6 +43,16 @@ impl Whitening {
         }
     }
 
+    /// Noise of one pole, with an innovation of this standard deviation.
+    pub fn one_pole(pole: f64, innovation: f64) -> Self {
+        Self {
+            coefficients: vec![pole],
+            moving_average: Vec::new(),
+            innovation,
+            deviation: innovation / (1.0 - pole * pole).sqrt(),
+        }
+    }
+
     /// The same colour at a level that is this many times as high.
     pub fn louder(&self, times: f64) -> Self {
         Self {
@@ -199,12 +209,7 @@ mod tests {
         /// Of one pole `a` the variance of third differences is `20 - 30 a + 12 a^2 - 2 a^3` times the noise's.
         #[test]
         fn roughness_of_one_pole(a in -0.9..0.95f64, deviation in 1e-6..1e3f64) {
-            let noise = Whitening {
-                coefficients: vec![a],
-                moving_average: Vec::new(),
-                innovation: deviation * (1.0 - a * a).sqrt(),
-                deviation,
-            };
+            let noise = Whitening::one_pole(a, deviation * (1.0 - a * a).sqrt());
             let variance = 20.0 - 30.0 * a + 12.0 * a * a - 2.0 * a.powi(3);
             let expected = deviation * (variance / 20.0).sqrt();
             prop_assert!((noise.roughness() / expected - 1.0).abs() < 1e-9);

@@ -1,10 +1,8 @@
 //! Cogging: a force that is periodic in position.
 
 use super::grid::{PHASES, orders, product};
-use super::shared_parameters::{ORDER, PHASE};
-use super::{
-    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity, Slot,
-};
+use super::shared_parameters::{AMPLITUDE, ORDER, PHASE};
+use super::{Effect, Force, Law, Memory, Motion, Place, Property, Slot};
 
 struct Cogging {
     amplitude: f64,
@@ -30,18 +28,7 @@ pub const COGGING: Effect = Effect {
         Conversion 15 (2000); Hanselman, Brushless Permanent Magnet Motor Design (2003).",
     remedy: "Look for the motor's poles, a ball screw or a bent shaft at this period; compensate it \
         by a table over the position.",
-    parameters: &[
-        Parameter {
-            name: "amplitude",
-            role: ParameterRole::Size,
-            quantity: Quantity::FORCE,
-            bounds: |scales| (0.0, 2.0 * scales.force),
-            neutral: 0.0,
-            typical: |scales| 0.05 * scales.force,
-        },
-        ORDER,
-        PHASE,
-    ],
+    parameters: &[AMPLITUDE, ORDER, PHASE],
     properties: &[Property::Slot(Slot::PositionForce)],
     law: |p| {
         Law::Force(Box::new(Cogging {

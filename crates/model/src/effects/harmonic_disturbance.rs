@@ -1,7 +1,7 @@
 //! A steady vibration from outside.
 
 use super::grid::{PHASES, frequencies, frequency_bounds, product};
-use super::shared_parameters::PHASE;
+use super::shared_parameters::{AMPLITUDE, PHASE};
 use super::{
     Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity, Scales,
 };
@@ -44,14 +44,7 @@ pub const HARMONIC_DISTURBANCE: Effect = Effect {
     remedy: "Look for what turns or hums at this frequency: switch it off, and record again. A shaper cannot take \
         it away, since no command makes it.",
     parameters: &[
-        Parameter {
-            name: "amplitude",
-            role: ParameterRole::Size,
-            quantity: Quantity::FORCE,
-            bounds: |scales| (0.0, 2.0 * scales.force),
-            neutral: 0.0,
-            typical: |scales| 0.05 * scales.force,
-        },
+        AMPLITUDE,
         Parameter {
             name: "frequency",
             role: ParameterRole::Frequency,

@@ -13,6 +13,16 @@ pub(super) const FRICTION: Parameter = Parameter {
     typical: |scales| 0.05 * scales.force,
 };
 
+/// Amplitude of a force that swings.
+pub(super) const AMPLITUDE: Parameter = Parameter {
+    name: "amplitude",
+    role: ParameterRole::Size,
+    quantity: Quantity::FORCE,
+    bounds: |scales| (0.0, 2.0 * scales.force),
+    neutral: 0.0,
+    typical: |scales| 0.05 * scales.force,
+};
+
 /// Phase of a periodic effect, rad.
 pub(super) const PHASE: Parameter = Parameter {
     name: "phase",
