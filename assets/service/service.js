@@ -90,7 +90,7 @@ function showState() {
   const { rate_hz: rate, overruns, lateness_p99_s: late } = state.tick;
   $("tick").hidden = !rate;
   $("tick").className = "pill quiet";
-  $("tick").textContent = `${number(rate, 4)} Hz, 99 % of ticks within ${number(1e6 * late, 2)} µs, ${overruns} overruns`;
+  $("tick").textContent = `${number(rate, 4)} Hz, 99 % of ticks within ${number(1e6 * late, 2)} µs, ${overruns} overrun${overruns === 1 ? "" : "s"}`;
   showControls(now);
   showTrouble(now);
   showFigures(now);

@@ -20,7 +20,8 @@ pub struct Told {
     pub verdict: Verdict,
     /// Its answer in a sentence.
     pub summary: String,
-    /// Titles of the physics that is missing; what is in doubt says so.
+    /// Titles of the physics that is missing, each with what the recording cannot tell from it; what is in doubt
+    /// says so.
     pub missing: Vec<String>,
     /// The misfit of the model as given, with its parameters refitted, over the noise; NaN if it is not known.
     pub before: f64,
@@ -31,12 +32,12 @@ pub struct Told {
 impl Told {
     /// The short form of a diagnosis.
     pub fn of(diagnosis: &Diagnosis) -> Self {
+        let catalogue = Catalogue::default();
         let titles = diagnosis.findings.iter().map(|own| {
-            let title = own.title(Catalogue::default());
-            match own.is_certain() {
-                true => title,
-                false => format!("perhaps {title}"),
-            }
+            let others = own.alternatives.iter().map(|name| catalogue.title(name));
+            let all: Vec<String> = std::iter::once(own.title(catalogue)).chain(others).collect();
+            let perhaps = if own.is_certain() { "" } else { "perhaps " };
+            format!("{perhaps}{}", all.join(" or "))
         });
         Self {
             verdict: diagnosis.verdict,
@@ -112,7 +113,7 @@ impl Overview {
             0 => (
                 page::Verdict::Good,
                 format!(
-                    "Nothing is missing at {} of {of} {noun}s.",
+                    "Nothing is missing in {} of {of} {noun}s.",
                     of - silent - aside
                 ),
             ),
@@ -125,7 +126,7 @@ impl Overview {
                 (
                     page::Verdict::Bad,
                     format!(
-                        "Physics is missing at {some} of {of} {noun}s, the worst first: {names}{more}."
+                        "Physics is missing in {some} of {of} {noun}s, the worst first: {names}{more}."
                     ),
                 )
             }
@@ -259,7 +260,7 @@ mod tests {
         assert_eq!(names, ["worst", "bad", "fine", "still", "broken"]);
         assert_eq!(
             overview.sentence().1,
-            "Physics is missing at 2 of 5 recordings, the worst first: worst, bad. 1 say nothing about the model. 1 could not be \
+            "Physics is missing in 2 of 5 recordings, the worst first: worst, bad. 1 say nothing about the model. 1 could not be \
              diagnosed."
         );
     }

@@ -41,7 +41,7 @@ pub struct Args {
     /// Ticks a second, Hz, 250 to 4000 [default: 1000].
     #[arg(long, value_name = "HZ", value_parser = values::positive, allow_negative_numbers = true)]
     pub rate: Option<f64>,
-    /// The robot [default: embedded].
+    /// The robot; `zenoh` (ROS 2) needs a build with --features zenoh [default: embedded].
     #[arg(long, value_parser = robots())]
     pub robot: Option<RobotKind>,
     /// Shows what shaping is for, on the simulated arm: unshaped, wrong belief, adapted. Enables moves.
