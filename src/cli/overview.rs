@@ -35,7 +35,9 @@ impl Told {
         let catalogue = Catalogue::default();
         let titles = diagnosis.findings.iter().map(|own| {
             let others = own.alternatives.iter().map(|name| catalogue.title(name));
-            let all: Vec<String> = std::iter::once(own.title(catalogue)).chain(others).collect();
+            let all: Vec<String> = std::iter::once(own.title(catalogue))
+                .chain(others)
+                .collect();
             let perhaps = if own.is_certain() { "" } else { "perhaps " };
             format!("{perhaps}{}", all.join(" or "))
         });

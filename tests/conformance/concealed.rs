@@ -38,6 +38,18 @@ pub fn typical(machine: &Machine, effect: &'static Effect, place: Place, factor:
     Term::new(effect, place, values)
 }
 
+/// A learned law over the whole of what this machine visits; `curve` gives its ordinates over 0 to 1.
+pub fn learned(machine: &Machine, name: &str, curve: impl Fn(f64) -> f64) -> Term {
+    let effect = Effect::from_name(name).unwrap();
+    let place = effect.places[0];
+    let mut values = effect.starts_at(place, &scales(machine)).remove(0);
+    let knots = values.len() - 2;
+    for (k, value) in values[..knots].iter_mut().enumerate() {
+        *value = curve(k as f64 / (knots - 1) as f64);
+    }
+    Term::new(effect, place, values)
+}
+
 fn experiment(machine: &Machine) -> Experiment {
     let mut experiment = Experiment::new(&machine.model, &machine.blank).unwrap();
     // A machine moves in one piece.

@@ -4,6 +4,7 @@
 
 mod awkward;
 mod concealed;
+mod curves;
 mod damper;
 mod delays;
 mod machines;

@@ -51,7 +51,9 @@ pub fn conclude(
     if !scatter.is_drawn {
         remarks.push(UNDRAWN.into());
     }
-    let fit = fit(search, found, reported(verdict, found));
+    let told = &reported(verdict, found).fitted.point;
+    let machine = search.machine(told);
+    let fit = fit(search, found, (told, &machine));
     let findings = match verdict {
         Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => Vec::new(),
         _ => findings(search, found, &scatter, &fit.after),
@@ -78,7 +80,7 @@ pub fn conclude(
     };
     let scale = super::tracker_scale::tell(search, &mut diagnosis);
     let given = search.judge.model;
-    let points = [&found.baseline, reported(verdict, found)].map(|own| &own.fitted.point);
+    let points = [&found.baseline.fitted.point, &machine];
     let [refitted, better] = points.map(|point| better_model(given, point));
     let better = match &scale {
         Some(scale) => scale.corrected(better),
@@ -134,14 +136,12 @@ fn is_seen_alike(search: &Search, fit: &Fit) -> bool {
         && experiments().all(|own| own.payload == problem.payloads[0])
 }
 
-fn fit(search: &Search, found: &Found, told: &Explanation) -> Fit {
-    let point = &told.fitted.point;
-    let alone = point.without_what_happened();
+fn fit(search: &Search, found: &Found, (told, machine): (&Point, &Point)) -> Fit {
     let of = |point: &Point| quality(search, point);
     Fit {
         before: of(&found.baseline.fitted.point),
-        after: of(point),
-        model_alone: (alone.terms.len() < point.terms.len()).then(|| of(&alone)),
+        after: of(told),
+        model_alone: (machine.terms.len() < told.terms.len()).then(|| of(machine)),
         ..level(search.problem)
     }
 }

@@ -51,6 +51,7 @@ mod locate;
 mod long_steps;
 mod look_ahead;
 mod looks;
+mod machine;
 mod marginal;
 mod meaning;
 mod naming;

@@ -72,13 +72,6 @@ impl Point {
         effects
     }
 
-    /// The point without events of single recordings.
-    pub fn without_what_happened(&self) -> Self {
-        let mut point = self.clone();
-        point.terms.retain(|term| term.recording.is_none());
-        point
-    }
-
     /// The point without an added effect.
     pub fn without_effect(&self, effect: EffectAt) -> Self {
         let mut point = self.clone();

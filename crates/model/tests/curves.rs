@@ -126,6 +126,7 @@ fn state_of(slot: Slot, place: Place, x: f64) -> (State, f64) {
         (Slot::StiffnessDrift, _) => (state[2], time) = (1.0, x),
         (Slot::Damping, _) => (state[2], state[3]) = (x, 1.0),
         (Slot::SpeedStiffness, _) => (state[1], state[2], state[3]) = (x, 1.0, x),
+        (Slot::JointStiffness, _) => (state[0], state[2]) = (x, x + 1.0),
         (Slot::JointDamping, _) => (state[0], state[2], state[3]) = (x, x, 1.0),
         (Slot::DampingDrift, _) => (state[3], time) = (1.0, x),
         _ => state[2] = x,
@@ -155,7 +156,10 @@ fn a_curve_is_the_force_that_the_chain_feels() {
                 let found = curve(effect, &values, &still(), &[x]).unwrap()[0];
                 let (state, time) = state_of(slot, place, x);
                 let mut expected = felt(effect, place, &values, &state, time);
-                if matches!(slot, Slot::StiffnessDrift | Slot::SpeedStiffness) {
+                if matches!(
+                    slot,
+                    Slot::StiffnessDrift | Slot::SpeedStiffness | Slot::JointStiffness
+                ) {
                     expected /= STIFFNESS;
                 }
                 let close = (found - expected).abs() < 1e-12;

@@ -253,6 +253,7 @@ proptest! {
         let there = Motion { motor: [far, 0.0], ..motion };
         let damping = force_of(&law_of("learned_joint_damping", &values), &there, 0.0, 1.0);
         prop_assert!(motion.damping + damping >= 0.0);
+        prop_assert!(1.0 + force_of(&law_of("learned_position_stiffness", &values), &there, 1.0, 0.0) > 0.0);
         let fast = Motion { motor: [0.0, far], ..motion };
         prop_assert!(1.0 + force_of(&law_of("learned_speed_stiffness", &values), &fast, 1.0, 0.0) > 0.0);
         let Law::Drive(drive) = law_of("learned_drive", &values) else { panic!() };

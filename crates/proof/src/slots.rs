@@ -8,7 +8,7 @@
 //! | `position` | force over position |
 //! | `drive` | what arrives over what was commanded |
 //! | `sensor` | reading over what is read |
-//! | `pose` | natural frequency over pose |
+//! | `pose` | natural frequency, or stiffness, over pose |
 //! | `time` | anything over time |
 //! | `stiffness over speed` | stiffness over the motor side's speed |
 //! | `hysteresis` | force over the path that led there |
@@ -27,6 +27,7 @@ const LEARNED: &[(&str, &[&str])] = &[
     ("learned_frequency", &["pose"]),
     ("learned_drift", &["time"]),
     ("learned_damping_drift", &["time"]),
+    ("learned_position_stiffness", &["pose"]),
     ("learned_speed_stiffness", &["stiffness over speed"]),
     ("learned_sensor_drift", &["time"]),
     ("maxwell_slip", &["hysteresis"]),

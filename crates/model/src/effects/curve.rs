@@ -45,6 +45,9 @@ fn value(slot: Slot, law: &Law, at: &Motion, point: f64) -> Option<f64> {
         (Slot::SpeedStiffness, Law::Force(law)) => {
             law.force(&driven([0.0, point]), 1.0, 0.0, &Memory::default()) / at.stiffness
         }
+        (Slot::JointStiffness, Law::Force(law)) => {
+            law.force(&driven([point, 0.0]), 1.0, 0.0, &Memory::default()) / at.stiffness
+        }
         (Slot::JointDamping, Law::Force(law)) => {
             law.force(&driven([point, 0.0]), 0.0, 1.0, &Memory::default())
         }

@@ -43,6 +43,7 @@ mod learned_joint_damping;
 mod learned_position_damping;
 mod learned_position_force;
 mod learned_position_friction;
+mod learned_position_stiffness;
 mod learned_sensor;
 mod learned_sensor_drift;
 mod learned_speed_stiffness;
@@ -228,6 +229,7 @@ pub const LEARNED: &[&Effect] = &[
     &learned_drift::LEARNED_DRIFT,
     &learned_damping_drift::LEARNED_DAMPING_DRIFT,
     &learned_speed_stiffness::LEARNED_SPEED_STIFFNESS,
+    &learned_position_stiffness::LEARNED_POSITION_STIFFNESS,
     &learned_frequency::LEARNED_FREQUENCY,
     &learned_sensor::LEARNED_SENSOR,
     &learned_sensor_drift::LEARNED_SENSOR_DRIFT,

@@ -48,6 +48,8 @@ pub enum Slot {
     StiffnessDrift,
     /// Relative change of the stiffness over the speed of the motor side.
     SpeedStiffness,
+    /// Relative change of the stiffness over the position of the motor side.
+    JointStiffness,
     /// Damping coefficient over time, beside that of the model's damper.
     DampingDrift,
     /// Damping coefficient across the joint over the position of the motor side, beside that of the model's damper.
@@ -135,6 +137,13 @@ const SLOTS: &[(Slot, &str, Coordinate, &str, Quantity)] = &[
         Slot::SpeedStiffness,
         "stiffness over speed",
         Coordinate::MotorSpeed,
+        "relative change of the stiffness",
+        Quantity::NUMBER,
+    ),
+    (
+        Slot::JointStiffness,
+        "stiffness over position",
+        Coordinate::Position,
         "relative change of the stiffness",
         Quantity::NUMBER,
     ),
