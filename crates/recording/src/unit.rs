@@ -172,6 +172,7 @@ pub const UNITS: &[Unit] = &[
     ),
     unit(&["1"], "1", Dimension::Number, 1.0, 1.0),
     unit(&["count"], "count", Dimension::Number, 1.0, 1.0),
+    unit(&["count/s"], "count/s", Dimension::Number, 1.0, 1.0),
     unit(&["raw"], "raw", Dimension::Number, 1.0, 1.0),
 ];
 

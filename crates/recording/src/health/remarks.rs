@@ -21,7 +21,7 @@ pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
     if !channel.has_usual_unit() {
         let (unit, role) = (&channel.unit, channel.role);
         remarks.push(match unit.as_str() {
-            "raw" | "count" => format!(
+            "raw" | "count" | "count/s" => format!(
                 "it has no physical unit: amplitudes are told in {unit}; frequencies and damping ratios need none"
             ),
             _ => format!("the unit {unit} is not one of {role}: kept as it is"),

@@ -71,8 +71,15 @@ pub fn unit(text: &str) -> Option<&'static Unit> {
         return Unit::from_name(name);
     }
     let plain = text.replace('\u{b2}', "2").replace(' ', "");
-    if STEPS.contains(&plain.to_lowercase().as_str()) {
+    let steps = plain.to_lowercase();
+    if STEPS.contains(&steps.as_str()) {
         return Unit::from_name("count");
+    }
+    if steps
+        .strip_suffix("/s")
+        .is_some_and(|steps| STEPS.contains(&steps))
+    {
+        return Unit::from_name("count/s");
     }
     Unit::from_name(&text)
         .or_else(|| Unit::from_name(&plain))
@@ -125,5 +132,15 @@ mod tests {
             assert_eq!(in_brackets(text), name, "{text}");
         }
         assert_eq!(per_revolution("131072 inc/U"), Some(131_072.0));
+    }
+
+    #[test]
+    fn steps_of_an_encoder_and_their_number_in_a_second_are_units() {
+        let name = |text| unit(text).map(|own| own.names[0]);
+        for text in ["cnt/sec", "counts/s", "Counts / sec", "inc/s", "ticks/s"] {
+            assert_eq!(name(text), Some("count/s"), "{text}");
+        }
+        assert_eq!(name("cnt"), Some("count"));
+        assert_eq!(name("cnt/min"), None);
     }
 }
