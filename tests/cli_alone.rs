@@ -53,8 +53,8 @@ fn still(_: usize) -> f64 {
     0.0
 }
 
-/// Identifies columns under a header, and gives the first recording of the answer.
-fn identify(header: &str, columns: &[Vec<f64>]) -> Value {
+/// Columns under a header, at [`RATE`].
+fn in_time(header: &str, columns: &[Vec<f64>]) -> String {
     let mut text = format!("time_s,{header}\n");
     for k in 0..columns[0].len() {
         let cells: Vec<String> = columns
@@ -63,7 +63,12 @@ fn identify(header: &str, columns: &[Vec<f64>]) -> Value {
             .collect();
         writeln!(text, "{:.6},{}", k as f64 / RATE, cells.join(",")).unwrap();
     }
-    answer("run.csv", &text)["recordings"][0].clone()
+    text
+}
+
+/// Identifies columns under a header, and gives the first recording of the answer.
+fn identify(header: &str, columns: &[Vec<f64>]) -> Value {
+    answer("run.csv", &in_time(header, columns))["recordings"][0].clone()
 }
 
 fn answer(name: &str, text: &str) -> Value {
@@ -347,6 +352,30 @@ fn noise_and_a_tone_tell_no_mode() {
         }
         let stderr = refusal(&text);
         assert!(stderr.contains("no mode was found"), "{stderr}");
+    }
+}
+
+/// Both fall by a fifth to a third: the envelope of a light mode is an exponential, that of a line which drifts is not.
+#[test]
+fn a_decay_that_ends_early_is_told_and_a_line_that_drifts_is_not() {
+    let mut rng = generator(11);
+    let mut noisy = |clean: Vec<f64>| seen(&clean, 0.01, &mut rng);
+    for (mode, samples) in [
+        ([3.35, 0.0067, 1.0, 0.3], 3000),
+        ([6.42, 0.0062, 1.0, 2.0], 1500),
+    ] {
+        let rings = noisy(ring(mode, samples));
+        let quiet = noisy([vec![0.0; 400], ring(mode, samples)].concat());
+        for column in [rings, quiet] {
+            let found = identify("link_velocity_rad_s", &[column]);
+            assert_eq!(found["excitation"], "decay");
+            holds(&found, &[(mode[0], mode[1])]);
+        }
+        let line = ring([mode[0], 0.0, 1.0, mode[3]], samples);
+        let falls = |k: usize| 1.0 - 0.25 * k as f64 / samples as f64;
+        let drifts = line.iter().enumerate().map(|(k, v)| falls(k) * v).collect();
+        let text = in_time("link_velocity_rad_s", &[noisy(drifts)]);
+        assert!(refusal(&text).contains("no mode was found"), "{mode:?}");
     }
 }
 

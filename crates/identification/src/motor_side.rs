@@ -1,7 +1,7 @@
 //! The motor side's motion, by whichever channel a recording has of it.
 
 use quell_recording::{Channel, Recording, Role};
-use quell_signal::{Phase, RestRule, SignalError, free_decays, integrated_velocity};
+use quell_signal::{Motion, Phase, RestRule, SignalError, integrated_velocity, phases};
 
 /// Channels of the motor side's motion, the preferred one first. A command stands for what the motor side does of
 /// it.
@@ -35,7 +35,7 @@ pub fn provide(recording: &mut Recording) -> Result<Option<Role>, SignalError> {
     Ok(Some(role))
 }
 
-/// Rests of the motor side after a motion of it; none where it does not move, or nothing tells its motion.
+/// Rests of the motor side, before its first motion and after each; none where it does not move, or nothing tells its motion.
 ///
 /// # Errors
 /// As [`provide`].
@@ -45,7 +45,9 @@ pub fn rests(recording: &Recording) -> Result<Vec<Phase>, SignalError> {
     };
     let made = position(channel)?;
     let values = &made.columns[0];
-    free_decays(&made.time, values, RestRule::from_values(values), SHORTEST)
+    let mut rests = phases(&made.time, values, RestRule::from_values(values))?;
+    rests.retain(|p| p.motion == Motion::Rest && p.end - p.start >= SHORTEST);
+    Ok(rests)
 }
 
 /// A motor position of a channel: itself, or the integral of a velocity.

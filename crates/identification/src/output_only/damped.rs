@@ -162,7 +162,7 @@ pub fn amplitudes(segments: &[Segment], modes: &[Damped]) -> Option<Vec<f64>> {
 }
 
 /// An offset, and cosine and sine of each mode.
-fn basis(segment: &Segment, modes: &[Damped]) -> Option<DMatrix<f64>> {
+pub fn basis(segment: &Segment, modes: &[Damped]) -> Option<DMatrix<f64>> {
     let samples = segment.values.nrows();
     let mut basis = DMatrix::from_element(samples, 1 + 2 * modes.len(), 1.0);
     for (k, mode) in modes.iter().enumerate() {
@@ -190,6 +190,6 @@ fn regular(basis: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// The linear coefficients, one column for each axis.
-fn project(basis: &DMatrix<f64>, values: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+pub fn project(basis: &DMatrix<f64>, values: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     Some(regular(basis).cholesky()?.solve(&basis.tr_mul(values)))
 }

@@ -1,6 +1,7 @@
 //! Modes of free decays: their number, their dependence on amplitude, and their uncertainty.
 
 use super::damped::{Bend, Damped, Fit, Law, Segment, amplitudes, fit, residual};
+use super::free::{Seen, is_free};
 use super::told::told;
 use super::{Excitation, FEWEST, OutputOnly, Vibration};
 use crate::stop::Stop;
@@ -31,7 +32,11 @@ const BEGINS: usize = 11;
 const ENDS: usize = 3;
 
 /// The modes of some stretches; `None` where these are no free decays.
-pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]], stop: Stop) -> Option<OutputOnly> {
+pub fn modes(
+    vibration: &Vibration,
+    (stretches, seen): (&[[usize; 2]], Seen),
+    stop: Stop,
+) -> Option<OutputOnly> {
     let free = stretches.iter().map(|s| vibration.unclipped(*s));
     let long = free.filter(|[from, until]| *until >= from + FEWEST);
     let begun = long.filter_map(|s| begun(vibration, s, stop));
@@ -59,7 +64,9 @@ pub fn modes(vibration: &Vibration, stretches: &[[usize; 2]], stop: Stop) -> Opt
     let scale = best.minimum.cost / (count as f64 - unknowns(best, axes)).max(1.0) * count as f64
         / independent;
     let (modes, left_out) = told(best, &segments, scale)?;
-    if explained < EXPLAINED || found < needed || modes.is_empty() {
+    let strongest = modes.first()?.known.mode.damped_frequency();
+    let is_free = seen == Seen::Before || is_free(best, &segments, strongest, independent);
+    if explained < EXPLAINED || found < needed || !is_free {
         return None;
     }
     let seconds = |[from, until]: [usize; 2]| [vibration.time(from), vibration.time(until)];

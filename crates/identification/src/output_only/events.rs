@@ -87,18 +87,53 @@ pub fn decays(vibration: &Vibration, length: usize) -> Vec<[usize; 2]> {
     strongest_first(found)
 }
 
+/// All from the first strong sample on, in samples from and before: a single decay, if it is one.
+pub fn to_the_end(vibration: &Vibration) -> [usize; 2] {
+    let samples = vibration.axes[0].len();
+    [onset(vibration, [0, samples]), samples]
+}
+
 /// Stretches of spans of rest, s, in samples from and before, the strongest first.
 pub fn within(vibration: &Vibration, rests: &[[f64; 2]]) -> Vec<[usize; 2]> {
-    let samples = vibration.axes[0].len();
-    let sample = |time: f64| ((time - vibration.start) * vibration.rate).ceil().max(0.0) as usize;
-    let stretch = |[from, until]: &[f64; 2]| [sample(*from), sample(*until).min(samples)];
-    let stretches = rests.iter().map(stretch);
+    let stretches = rests.iter().map(|rest| samples_of(vibration, rest));
     let long = stretches.filter(|[from, until]| *until >= from + 2 * FEWEST);
     let with_energy = |[from, until]: [usize; 2]| {
         let quarter = (until - from) / 4;
         (energy(vibration, from, quarter), [from, until])
     };
     strongest_first(long.map(with_energy).collect())
+}
+
+/// The parts of stretches that lie in spans of rest, s: what is known to move drives the vibration elsewhere. All of them where
+/// no rest is known.
+pub fn at_rest(
+    vibration: &Vibration,
+    stretches: Vec<[usize; 2]>,
+    rests: &[[f64; 2]],
+) -> Vec<[usize; 2]> {
+    if rests.is_empty() {
+        return stretches;
+    }
+    let rests: Vec<[usize; 2]> = rests
+        .iter()
+        .map(|rest| samples_of(vibration, rest))
+        .collect();
+    let parts = stretches.iter().flat_map(|[from, until]| {
+        let common = rests
+            .iter()
+            .map(|rest| [*from.max(&rest[0]), *until.min(&rest[1])]);
+        common.filter(|part| part[0] < part[1])
+    });
+    parts.collect()
+}
+
+/// A span, s, in samples from and before.
+fn samples_of(vibration: &Vibration, span: &[f64; 2]) -> [usize; 2] {
+    let sample = |time: f64| ((time - vibration.start) * vibration.rate).ceil().max(0.0) as usize;
+    [
+        sample(span[0]),
+        sample(span[1]).min(vibration.axes[0].len()),
+    ]
 }
 
 /// The stretches of enough energy, the strongest first.

@@ -11,6 +11,7 @@ mod density;
 mod distortion;
 mod even;
 mod events;
+mod free;
 mod least_squares;
 mod oscillation;
 mod resonances;
@@ -23,6 +24,7 @@ pub use told::{LeftOut, Reason};
 
 use super::IdentificationError;
 use super::stop::{Stop, check, never};
+use free::Seen;
 use quell_shapers::UncertainMode;
 
 /// How the modes were excited, and so how they were fitted.
@@ -96,8 +98,8 @@ pub fn output_only_until(
     output_only_within(vibration, &[], stop)
 }
 
-/// [`output_only_until`], of the free decays in these spans of rest (s) if they hold any: what drives the machine
-/// is known to rest there.
+/// [`output_only_until`], where what drives the machine is known to rest in these spans (s) and to move outside of them: a free
+/// decay lies within one. Without any, nothing is known.
 ///
 /// # Errors
 /// As [`output_only_until`].
@@ -126,19 +128,19 @@ fn look(
     if vibration.is_still() {
         return Err(IdentificationError::Still);
     }
-    if let Some(found) = decay::modes(vibration, &events::within(vibration, rests), stop) {
+    let sweep = events::sweep(vibration);
+    if let Some(found) = decays(vibration, (rests, sweep.is_some()), stop) {
         return Ok(found);
     }
-    let sweep = events::sweep(vibration);
-    if sweep.is_none() {
-        let mut stretches = events::lengths(vibration)
-            .into_iter()
-            .map(|length| events::decays(vibration, length));
-        if let Some(found) = stretches.find_map(|some| decay::modes(vibration, &some, stop)) {
+    let found = resonances::modes(vibration, sweep, stop);
+    let shows_one = found.as_ref().is_ok_and(|found| !found.modes.is_empty());
+    if !shows_one && sweep.is_none() && rests.is_empty() {
+        let all = [events::to_the_end(vibration)];
+        if let Some(found) = decay::modes(vibration, (&all, Seen::After), stop) {
             return Ok(found);
         }
     }
-    let found = resonances::modes(vibration, sweep, stop)?;
+    let found = found?;
     match found.modes.is_empty() {
         false => Ok(found),
         true if found.evidence[0] >= found.evidence[1] => Err(IdentificationError::OnlyLines),
@@ -149,4 +151,22 @@ fn look(
             searched: None,
         }),
     }
+}
+
+/// The modes of free decays in rests, or of those that fall far.
+fn decays(
+    vibration: &Vibration,
+    (rests, is_swept): (&[[f64; 2]], bool),
+    stop: Stop,
+) -> Option<OutputOnly> {
+    let modes = |some: Vec<[usize; 2]>| decay::modes(vibration, (&some, Seen::Before), stop);
+    let lengths = match is_swept {
+        true => Vec::new(),
+        false => events::lengths(vibration),
+    };
+    let falls = |length: usize| {
+        let some = events::decays(vibration, length);
+        modes(events::at_rest(vibration, some, rests))
+    };
+    modes(events::within(vibration, rests)).or_else(|| lengths.into_iter().find_map(falls))
 }
