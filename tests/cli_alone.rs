@@ -379,6 +379,32 @@ fn a_decay_that_ends_early_is_told_and_a_line_that_drifts_is_not() {
     }
 }
 
+/// A slow smooth move shows in the velocity of the link, and is no decay of it. The vibration after it is told where it stands out
+/// of the noise.
+#[test]
+fn a_move_that_excites_nothing_makes_no_mode_of_itself() {
+    let mut rng = generator(12);
+    let (from, lasts) = (300.0, 1500.0);
+    let velocity = |k: usize| {
+        let s = ((k as f64 - from) / lasts).clamp(0.0, 1.0);
+        30.0 * RATE / lasts * (s * (1.0 - s)).powi(2)
+    };
+    let motor: Vec<f64> = (0..3000).map(velocity).collect();
+    let mut after = |amplitude: f64| {
+        let rest = ring([26.4, 0.046, amplitude, 0.3], 1200);
+        let rings = [vec![0.0; 1800], rest].concat();
+        sum(&motor, &rings, &mut rng, 0.0125)
+    };
+    let header = "motor_velocity_rad_s,link_velocity_rad_s";
+    let found = identify(header, &[motor.clone(), after(0.0625)]);
+    assert_eq!(found["excitation"], "decay");
+    holds(&found, &[(26.4, 0.046)]);
+    for _ in 0..4 {
+        let text = in_time(header, &[motor.clone(), after(0.0)]);
+        assert!(refusal(&text).contains("no mode was found"));
+    }
+}
+
 /// An accelerometer that shows one value is told so, and no motor side is asked for.
 #[test]
 fn an_accelerometer_that_shows_one_value_says_nothing() {

@@ -12,6 +12,8 @@ const ROLES: [Role; 3] = [
 ];
 /// Shortest rest in which a decay is looked for, s: two periods of 4 Hz.
 const SHORTEST: f64 = 0.5;
+/// Parts of a rest whose mean positions are compared.
+const PARTS: usize = 20;
 
 /// The channel of a recording that tells the motor side's motion.
 pub fn motor_side(recording: &Recording) -> Option<&Channel> {
@@ -45,9 +47,73 @@ pub fn rests(recording: &Recording) -> Result<Vec<Phase>, SignalError> {
     };
     let made = position(channel)?;
     let values = &made.columns[0];
-    let mut rests = phases(&made.time, values, RestRule::from_values(values))?;
-    rests.retain(|p| p.motion == Motion::Rest && p.end - p.start >= SHORTEST);
-    Ok(rests)
+    let rule = RestRule::from_values(values);
+    let phases = phases(&made.time, values, rule)?.into_iter();
+    let lasts = |rest: &Phase| rest.end - rest.start >= SHORTEST;
+    let rests = phases.filter(|phase| phase.motion == Motion::Rest && lasts(phase));
+    let still = rests.map(|rest| still(&made, rest, rule));
+    Ok(still.filter(lasts).collect())
+}
+
+/// The longest part of a rest in which the motor side does rest, as the means of its parts tell.
+///
+/// The rule compares two samples, and its limit is five deviations of their noise: a slow move, and the end of any, may be below
+/// it, and shows in the velocity of the link. The noise of the means of `m` samples is `sqrt(m)` times smaller. The limits are
+/// the rule's own: five deviations, and a share of the greatest speed.
+fn still(motor: &Channel, rest: Phase, rule: RestRule) -> Phase {
+    let step = (rest.end - rest.start) / PARTS as f64;
+    let own = means(motor, [rest.start, rest.end], step);
+    let ends = [motor.time[0], motor.time[motor.time.len() - 1]];
+    let moved = |pair: &[Mean]| (pair[1].value - pair[0].value).abs();
+    let most = means(motor, ends, step)
+        .windows(2)
+        .map(moved)
+        .fold(0.0, f64::max);
+    let rests = |pair: &[Mean]| {
+        let noise = rule.noise * (1.0 / pair[0].samples + 1.0 / pair[1].samples).sqrt();
+        moved(pair) <= (5.0 * noise + rule.quantisation).max(rule.drift * most)
+    };
+    let (mut from, mut longest) = (0, 0..0);
+    for until in 1..=own.len() {
+        if until - from > longest.len() {
+            longest = from..until;
+        }
+        if until < own.len() && !rests(&own[until - 1..=until]) {
+            from = until;
+        }
+    }
+    let is_last = longest.end == own.len();
+    Phase {
+        start: rest.start + longest.start as f64 * step,
+        end: if is_last {
+            rest.end
+        } else {
+            rest.start + longest.end as f64 * step
+        },
+        ..rest
+    }
+}
+
+/// The mean of some samples; no number without any.
+struct Mean {
+    value: f64,
+    samples: f64,
+}
+
+/// Means of a channel over parts of so many seconds.
+fn means(channel: &Channel, [from, until]: [f64; 2], step: f64) -> Vec<Mean> {
+    let parts = ((until - from) / step).round().max(1.0) as usize;
+    let place = |part: usize| {
+        let time = from + part as f64 * step;
+        channel.time.partition_point(|own| *own < time)
+    };
+    let mean = |part: usize| {
+        let values = &channel.columns[0][place(part)..place(part + 1)];
+        let samples = values.len() as f64;
+        let value = values.iter().sum::<f64>() / samples;
+        Mean { value, samples }
+    };
+    (0..parts).map(mean).collect()
 }
 
 /// A motor position of a channel: itself, or the integral of a velocity.

@@ -16,8 +16,6 @@ const STARTS: [f64; 5] = [0.003, 0.01, 0.03, 0.08, 0.2];
 const LAWS: [Law; 3] = [Law::Power(1.0), Law::Power(2.0), Law::Friction];
 /// Bayesian evidence that is very strong (Kass and Raftery 1995).
 const STRONG: f64 = 10.0;
-/// Least share of the variance that modes explain in a free decay, as opposed to a machine at work.
-const EXPLAINED: f64 = 0.8;
 /// Number of samples of the longest decay above which neighbours are averaged, in all decays alike; the poles do not
 /// change.
 const MOST: usize = 30_000;
@@ -39,7 +37,7 @@ pub fn modes(
 ) -> Option<OutputOnly> {
     let free = stretches.iter().map(|s| vibration.unclipped(*s));
     let long = free.filter(|[from, until]| *until >= from + FEWEST);
-    let begun = long.filter_map(|s| begun(vibration, s, stop));
+    let begun = long.filter_map(|s| begun(vibration, (s, seen.least()), stop));
     let mut stretches: Vec<[usize; 2]> = begun.collect();
     let average = averaged(stretches.iter().map(samples).max()?, MOST);
     stretches.retain(|stretch| samples(stretch) >= FEWEST * average);
@@ -66,7 +64,7 @@ pub fn modes(
     let (modes, left_out) = told(best, &segments, scale)?;
     let strongest = modes.first()?.known.mode.damped_frequency();
     let is_free = seen == Seen::Before || is_free(best, &segments, strongest, independent);
-    if explained < EXPLAINED || found < needed || !is_free {
+    if explained < seen.least() || found < needed || !is_free {
         return None;
     }
     let seconds = |[from, until]: [usize; 2]| [vibration.time(from), vibration.time(until)];
@@ -218,7 +216,7 @@ fn independent(left: &DVector<f64>, count: usize) -> f64 {
     (count as f64 * (1.0 - r) / (1.0 + r)).max(8.0)
 }
 
-/// The part of a stretch in which its decay is free; `None` where two modes explain too little of it.
+/// The part of a stretch in which its decay is free; `None` where two modes explain less than the `least` share of it.
 ///
 /// Begin and end are the change-points of most likelihood. The samples between them are two modes with noise of the
 /// variance `s^2` that these leave; the others, forced by what excites or stops the vibration, have the variance `v^2` of the
@@ -226,7 +224,11 @@ fn independent(left: &DVector<f64>, count: usize) -> f64 {
 /// do: it falls with all that is taken in, as what excites is larger than what rings.
 ///
 /// Source: D. V. Hinkley, Inference about the change-point in a sequence of random variables, Biometrika 57 (1970).
-fn begun(vibration: &Vibration, [from, until]: [usize; 2], stop: Stop) -> Option<[usize; 2]> {
+fn begun(
+    vibration: &Vibration,
+    ([from, until], least): ([usize; 2], f64),
+    stop: Stop,
+) -> Option<[usize; 2]> {
     let step = ((until - from) / PARTS).max(1);
     let average = averaged(until - from, LOOKED_AT);
     let variance = mean_square(&segment(vibration, [from, until], average));
@@ -246,7 +248,7 @@ fn begun(vibration: &Vibration, [from, until]: [usize; 2], stop: Stop) -> Option
     let last = ends.min_by(by_score)?;
     let begins = (0..BEGINS - 1).map(|k| scored([from + k * step, last.2[1]]));
     let (_, share, free) = begins.chain([last]).min_by(by_score)?;
-    (share < 1.0 - EXPLAINED).then_some(free)
+    (share < 1.0 - least).then_some(free)
 }
 
 /// Mean square of what two modes leave of a stretch; of all of it where none can be fitted.

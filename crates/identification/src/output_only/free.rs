@@ -31,13 +31,28 @@ const CERTAIN: f64 = 3.0;
 /// Unknowns of a mode on one axis.
 const UNKNOWNS: usize = 4;
 
-/// What says that a stretch is a free decay, besides that damped modes explain it.
+/// Least share of the variance that modes explain in a free decay, as opposed to a machine at work.
+const EXPLAINED: f64 = 0.8;
+
+/// What says that a stretch is a free decay, besides strong evidence for damped modes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Seen {
-    /// That nothing drives it, or how far it falls.
+    /// That nothing drives it, or how far it falls; and the share that modes explain.
     Before,
-    /// The envelope of its strongest mode, and what that leaves ([`is_free`]).
+    /// The envelope of its strongest mode and what that leaves ([`is_free`]), and the share that modes explain.
     After,
+    /// Of a decay in noise: that nothing drives it, the envelope of its strongest mode, and what that leaves.
+    Faint,
+}
+
+impl Seen {
+    /// The least share of the variance that modes explain.
+    pub fn least(self) -> f64 {
+        match self {
+            Self::Before | Self::After => EXPLAINED,
+            Self::Faint => 0.0,
+        }
+    }
 }
 
 /// Whether a mode of the fit to a single decay is free; `frequency` is its damped one, rad/s, and `independent` the number of

@@ -153,20 +153,24 @@ fn look(
     }
 }
 
-/// The modes of free decays in rests, or of those that fall far.
+/// The modes of free decays in rests, of those that fall far, or of the first that shows in the noise of a rest.
 fn decays(
     vibration: &Vibration,
     (rests, is_swept): (&[[f64; 2]], bool),
     stop: Stop,
 ) -> Option<OutputOnly> {
-    let modes = |some: Vec<[usize; 2]>| decay::modes(vibration, (&some, Seen::Before), stop);
+    let modes = |some: &[[usize; 2]], seen: Seen| decay::modes(vibration, (some, seen), stop);
     let lengths = match is_swept {
         true => Vec::new(),
         false => events::lengths(vibration),
     };
     let falls = |length: usize| {
         let some = events::decays(vibration, length);
-        modes(events::at_rest(vibration, some, rests))
+        modes(&events::at_rest(vibration, some, rests), Seen::Before)
     };
-    modes(events::within(vibration, rests)).or_else(|| lengths.into_iter().find_map(falls))
+    let within = events::within(vibration, rests);
+    let faint = |rest: &[usize; 2]| modes(std::slice::from_ref(rest), Seen::Faint);
+    modes(&within, Seen::Before)
+        .or_else(|| lengths.into_iter().find_map(falls))
+        .or_else(|| within.iter().filter(|_| !is_swept).find_map(faint))
 }

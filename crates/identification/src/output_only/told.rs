@@ -4,13 +4,13 @@ use super::FoundMode;
 use super::damped::{Damped, Fit, Segment, amplitudes, coefficients};
 use super::distortion::{self, Component};
 use nalgebra::{Complex, DMatrix};
+use quell_model::NO_RESONANCE;
 use quell_shapers::{Mode, UncertainMode};
 use std::f64::consts::TAU;
 
 /// Smallest reported share of the strongest mode.
 const LEAST: f64 = 0.005;
-/// Damping ratio above which it is drift, not vibration; and number of periods in the record below which it is.
-const DRIFT: f64 = 0.5;
+/// Number of periods in the record below which it is drift, not vibration, as it is where it is no resonance.
 const PERIODS: f64 = 2.0;
 /// A fitted vibration that is no mode of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +57,7 @@ pub fn told(
     let amplitude = |k: usize| all[k].amplitude;
     let vibrates = |k: &usize| {
         let mode = all[*k].mode;
-        mode.rate < DRIFT * natural(&mode) && mode.frequency * span > TAU * PERIODS
+        mode.rate < NO_RESONANCE * natural(&mode) && mode.frequency * span > TAU * PERIODS
     };
     let mut order: Vec<usize> = (0..all.len()).filter(vibrates).collect();
     order.sort_by(|a, b| amplitude(*b).total_cmp(&amplitude(*a)));
