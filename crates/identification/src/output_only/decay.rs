@@ -2,6 +2,7 @@
 
 use super::damped::{Bend, Damped, Fit, Law, Segment, amplitudes, fit, residual};
 use super::free::{Seen, is_free};
+use super::least_squares::independent;
 use super::told::told;
 use super::{Excitation, FEWEST, OutputOnly, Vibration};
 use crate::stop::Stop;
@@ -35,21 +36,7 @@ pub fn modes(
     (stretches, seen): (&[[usize; 2]], Seen),
     stop: Stop,
 ) -> Option<OutputOnly> {
-    let free = stretches.iter().map(|s| vibration.unclipped(*s));
-    let long = free.filter(|[from, until]| *until >= from + FEWEST);
-    let begun = long.filter_map(|s| begun(vibration, (s, seen.least()), stop));
-    let mut stretches: Vec<[usize; 2]> = begun.collect();
-    let average = averaged(stretches.iter().map(samples).max()?, MOST);
-    stretches.retain(|stretch| samples(stretch) >= FEWEST * average);
-    let mut all = 0;
-    stretches.retain(|stretch| {
-        all += samples(stretch) / average;
-        all <= MOST_OF_ALL
-    });
-    let segments: Vec<Segment> = stretches
-        .iter()
-        .map(|s| segment(vibration, *s, average))
-        .collect();
+    let (stretches, segments) = free(vibration, stretches, (seen, stop))?;
     let total: f64 = residual(&segments, &[])?.norm_squared();
     let models = grow(&segments, stop)?;
     let count: usize = segments.iter().map(|segment| segment.values.len()).sum();
@@ -76,6 +63,28 @@ pub fn modes(
         explained,
         evidence: [found, needed],
     })
+}
+
+/// The free parts of stretches, the strongest first, and their samples.
+fn free(
+    vibration: &Vibration,
+    stretches: &[[usize; 2]],
+    (seen, stop): (Seen, Stop),
+) -> Option<(Vec<[usize; 2]>, Vec<Segment>)> {
+    let free = stretches.iter().map(|s| vibration.unclipped(*s));
+    let long = free.filter(|[from, until]| *until >= from + FEWEST);
+    let begun = long.filter_map(|s| begun(vibration, (s, seen.least()), stop));
+    let mut stretches: Vec<[usize; 2]> = begun.collect();
+    let average = averaged(stretches.iter().map(samples).max()?, MOST);
+    stretches.retain(|stretch| samples(stretch) >= FEWEST * average);
+    let mut all = 0;
+    stretches.retain(|stretch| {
+        all += samples(stretch) / average;
+        all <= MOST_OF_ALL
+    });
+    let segments = stretches.iter().map(|s| segment(vibration, *s, average));
+    let segments = segments.collect();
+    Some((stretches, segments))
 }
 
 /// Number of unknowns of a model: of its modes, and amplitudes and offset of each axis of each decay.
@@ -203,17 +212,6 @@ fn strongest(segments: &[Segment], left: &DVector<f64>) -> Option<f64> {
         .take(length * 9 / 20);
     let (line, _) = lines.max_by(|a, b| a.1.total_cmp(b.1))?;
     Some(TAU * line as f64 / (length as f64 * period))
-}
-
-/// Independent samples of a residual with its first autocorrelation: `N (1 - r) / (1 + r)`.
-fn independent(left: &DVector<f64>, count: usize) -> f64 {
-    let pairs: f64 = left
-        .as_slice()
-        .windows(2)
-        .map(|pair| pair[0] * pair[1])
-        .sum();
-    let r = (pairs / left.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    (count as f64 * (1.0 - r) / (1.0 + r)).max(8.0)
 }
 
 /// The part of a stretch in which its decay is free; `None` where two modes explain less than the `least` share of it.

@@ -101,3 +101,14 @@ fn inverse(normal: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         inverse[(a, b)] / (scale[a] * scale[b])
     }))
 }
+
+/// Independent samples of a residual with its first autocorrelation: `N (1 - r) / (1 + r)`.
+pub fn independent(left: &DVector<f64>, count: usize) -> f64 {
+    let pairs: f64 = left
+        .as_slice()
+        .windows(2)
+        .map(|pair| pair[0] * pair[1])
+        .sum();
+    let r = (pairs / left.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (count as f64 * (1.0 - r) / (1.0 + r)).max(8.0)
+}
