@@ -156,6 +156,8 @@ fn interrupted(error: f64, shaper: Option<&str>, at: usize, target: Option<f64>)
     unasked.run(running.sent.len() - 1);
     assert_eq!(unasked.sent, running.sent);
     let left = running.ringing();
+    // What has been learned since may be correcting still.
+    running.settle();
     let end = plan.end()[0].position;
     assert_eq!(running.sent.last().map(|s| s.position), Some(end));
     (left, running)
