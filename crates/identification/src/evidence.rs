@@ -14,7 +14,7 @@ const LAGS: usize = 1000;
 const STEPS: f64 = 1.25;
 /// Difference of the Bayesian information criterion that is very strong evidence (Kass and Raftery, J. American
 /// Statistical Association 90 (1995)).
-const STRONG: f64 = 10.0;
+pub(super) const STRONG: f64 = 10.0;
 
 /// The likelihood ratio of a mode against none: against a tip that only follows the motor side ([`Follows`]), or that rests.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,6 +2,7 @@
 
 use quell_recording::{Channel, Recording, Role};
 use quell_signal::{Motion, Phase, RestRule, SignalError, integrated_velocity, phases};
+use std::collections::BTreeMap;
 
 /// Channels of the motor side's motion, the preferred one first. A command stands for what the motor side does of
 /// it.
@@ -14,6 +15,8 @@ const ROLES: [Role; 3] = [
 const SHORTEST: f64 = 0.5;
 /// Parts of a rest whose mean positions are compared.
 const PARTS: usize = 20;
+/// Ratio of the lengths of parts for which the greatest change is computed: a recording has many rests, each of its own length.
+const RATIO: f64 = 1.1;
 
 /// The channel of a recording that tells the motor side's motion.
 pub fn motor_side(recording: &Recording) -> Option<&Channel> {
@@ -51,7 +54,8 @@ pub fn rests(recording: &Recording) -> Result<Vec<Phase>, SignalError> {
     let phases = phases(&made.time, values, rule)?.into_iter();
     let lasts = |rest: &Phase| rest.end - rest.start >= SHORTEST;
     let rests = phases.filter(|phase| phase.motion == Motion::Rest && lasts(phase));
-    let still = rests.map(|rest| still(&made, rest, rule));
+    let mut most = BTreeMap::new();
+    let still = rests.map(|rest| still(&made, rest, (rule, &mut most)));
     Ok(still.filter(lasts).collect())
 }
 
@@ -60,15 +64,22 @@ pub fn rests(recording: &Recording) -> Result<Vec<Phase>, SignalError> {
 /// The rule compares two samples, and its limit is five deviations of their noise: a slow move, and the end of any, may be below
 /// it, and shows in the velocity of the link. The noise of the means of `m` samples is `sqrt(m)` times smaller. The limits are
 /// the rule's own: five deviations, and a share of the greatest speed.
-fn still(motor: &Channel, rest: Phase, rule: RestRule) -> Phase {
+///
+/// `known` has the greatest change between neighbouring parts of the whole channel, by the logarithm of their length.
+fn still(
+    motor: &Channel,
+    rest: Phase,
+    (rule, known): (RestRule, &mut BTreeMap<i32, f64>),
+) -> Phase {
     let step = (rest.end - rest.start) / PARTS as f64;
     let own = means(motor, [rest.start, rest.end], step);
-    let ends = [motor.time[0], motor.time[motor.time.len() - 1]];
     let moved = |pair: &[Mean]| (pair[1].value - pair[0].value).abs();
-    let most = means(motor, ends, step)
-        .windows(2)
-        .map(moved)
-        .fold(0.0, f64::max);
+    let length = step.log(RATIO).floor() as i32;
+    let most = *known.entry(length).or_insert_with(|| {
+        let ends = [motor.time[0], motor.time[motor.time.len() - 1]];
+        let all = means(motor, ends, RATIO.powi(length));
+        all.windows(2).map(moved).fold(0.0, f64::max)
+    });
     let rests = |pair: &[Mean]| {
         let noise = rule.noise * (1.0 / pair[0].samples + 1.0 / pair[1].samples).sqrt();
         moved(pair) <= (5.0 * noise + rule.quantisation).max(rule.drift * most)

@@ -5,6 +5,7 @@ use super::free::{Seen, is_free};
 use super::least_squares::independent;
 use super::told::told;
 use super::{Excitation, FEWEST, OutputOnly, Vibration};
+use crate::evidence::STRONG;
 use crate::stop::Stop;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -15,8 +16,6 @@ const STEPS: usize = 7;
 const STARTS: [f64; 5] = [0.003, 0.01, 0.03, 0.08, 0.2];
 /// Laws that a mode may follow.
 const LAWS: [Law; 3] = [Law::Power(1.0), Law::Power(2.0), Law::Friction];
-/// Bayesian evidence that is very strong (Kass and Raftery 1995).
-const STRONG: f64 = 10.0;
 /// Number of samples of the longest decay above which neighbours are averaged, in all decays alike; the poles do not
 /// change.
 const MOST: usize = 30_000;

@@ -17,11 +17,10 @@
 //! `2 / a + 2 / b`.
 
 use super::damped::{Damped, Fit, Segment, basis, project};
+use crate::evidence::STRONG;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
-/// Very strong evidence.
-const STRONG: f64 = 10.0;
 /// Lines of the spectrum on either side of a mode that are about it: beyond them a line has less than a sixtieth of its energy.
 const ABOUT: f64 = 2.5;
 /// Further ones on either side that are beside it.

@@ -15,6 +15,7 @@ use super::least_squares::{Minimum, Squares, minimise};
 use super::response::{DRIFT, EACH, POWERS, Resonance, Response, SHARED};
 use super::{Excitation, FoundMode, OutputOnly, Vibration};
 use crate::IdentificationError;
+use crate::evidence::STRONG;
 use nalgebra::{DMatrix, DVector};
 use quell_shapers::{Mode, UncertainMode};
 use quell_signal::SignalError;
@@ -27,8 +28,6 @@ const MOST: usize = 6;
 const STARTS: [f64; 3] = [0.01, 0.03, 0.1];
 /// Starting values of a sweep's power: a constant acceleration, and one that grows with frequency.
 const EXCITATIONS: [f64; 2] = [0.0, 2.0];
-/// Bayesian evidence that is very strong (Kass and Raftery 1995).
-const STRONG: f64 = 10.0;
 /// Standard deviations that chance exceeds on one side once in twenty times.
 const CERTAIN: f64 = 1.645;
 /// Factors on the sweep's ends that exclude the edges, where its spectrum falls.
