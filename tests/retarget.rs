@@ -224,3 +224,21 @@ fn a_plan_is_refused_for_no_longer_than_the_correction_lasts() {
     let (_, running) = interrupted(-0.152_448_846_282_620_18, Some("zv"), 140, Some(0.0));
     running.check().expect("the limits are kept");
 }
+
+/// The plan changes while a correction is under way, and the limits leave no room to cancel all at once: the rest
+/// is cancelled once they do.
+#[test]
+fn what_a_new_plan_leaves_is_cancelled_before_the_end() {
+    for (error, at, target) in [
+        (-0.161_279_623_171_897_6, 105, 0.484_145_800_867_925_25),
+        (-0.163_765_893_448_866_3, 143, 0.557_448_695_331_273_5),
+    ] {
+        let (left, running) = interrupted(error, Some("zv"), at, Some(target));
+        let (unshaped, _) = interrupted(error, None, at, Some(target));
+        running.check().expect("the limits are kept");
+        assert!(
+            left <= 0.05 * unshaped,
+            "left {left:e}, unshaped {unshaped:e}"
+        );
+    }
+}

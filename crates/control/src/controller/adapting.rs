@@ -141,7 +141,8 @@ impl Axis {
         ahead: &Ahead<'_>,
     ) -> Option<Decision> {
         // A correction under way is replaced only for an estimate that differs by more than its own error.
-        let corrects_for_it = self.filter.is_correcting() && self.corrected.is_near(estimate.mode);
+        let corrects_for_it =
+            self.filter.is_correcting() && self.corrected.suffices_for(estimate.mode);
         if corrects_for_it || !self.adaptation.may_correct(estimate, next) {
             return None;
         }
@@ -262,7 +263,9 @@ impl Axis {
         let (train, corrected) = (self.next_train().clone(), self.corrected);
         let request = self.request(&train, corrected.modes());
         let planned = |k: usize| ahead.setpoint(k - 1);
-        self.filter.replan(&request, ahead.remaining(), planned)
+        self.filter.replan(&request, ahead.remaining(), planned)?;
+        self.corrected = corrected.replanned();
+        Ok(())
     }
 
     /// Whether the train was accepted; it takes over once the command stands still.

@@ -7,6 +7,8 @@ use quell_shapers::{CORRECTED_MODES, Mode, UncertainMode};
 pub struct Corrected {
     modes: [UncertainMode; CORRECTED_MODES],
     count: usize,
+    /// Whether the plan has changed since.
+    replanned: bool,
 }
 
 impl Corrected {
@@ -16,6 +18,15 @@ impl Corrected {
         Self {
             modes: core::array::from_fn(|k| modes[k.min(count - 1)]),
             count,
+            replanned: false,
+        }
+    }
+
+    /// The same modes, after the correction was computed again for another plan.
+    pub fn replanned(self) -> Self {
+        Self {
+            replanned: true,
+            ..self
         }
     }
 
@@ -24,8 +35,9 @@ impl Corrected {
         &self.modes[..self.count]
     }
 
-    /// Whether the correction was for this mode, within the uncertainty of the correction's modes.
-    pub fn is_near(&self, mode: Mode) -> bool {
-        self.modes().iter().any(|known| known.is_near(mode))
+    /// Whether no other correction is needed for this mode: it is within the uncertainty of the correction's
+    /// modes. After a change of the plan the limits may not have allowed to cancel all.
+    pub fn suffices_for(&self, mode: Mode) -> bool {
+        !self.replanned && self.modes().iter().any(|known| known.is_near(mode))
     }
 }
