@@ -1,6 +1,7 @@
 //! What adaptation leaves of the vibration of arms with several modes, and of modes that depend on pose and payload.
 //!
-//! `cargo bench --bench modes`
+//! `cargo bench --bench modes`; `-- --campaign N --from SEED` for random programmes, `-- --attainable N --from SEED`
+//! for what the best trains leave of those with backlash.
 
 #[path = "../tests/modes/plant.rs"]
 mod plant;
@@ -8,6 +9,9 @@ mod plant;
 mod programme;
 #[path = "../tests/modes/random.rs"]
 mod random;
+
+#[path = "modes/attainable.rs"]
+mod attainable;
 
 use plant::{Faults, PlantMode};
 use programme::{Left, Policy, Programme, median, percent, worst};
@@ -149,6 +153,27 @@ fn campaign(count: u64, from: u64) {
     all.iter().take(12).for_each(|one| println!("  {}", one.1));
 }
 
+/// What the best trains leave of programmes with backlash, over what they leave without adaptation.
+fn best_trains(count: u64, from: u64) {
+    let with_gap = (from..).map(programme_of);
+    let with_gap = with_gap.filter(|programme| programme.faults.backlash > 0.0);
+    for programme in with_gap.take(count as usize) {
+        let [fixed, learned] = [Policy::Fixed, Policy::Learned].map(|policy| programme.run(policy));
+        let base = size(&fixed);
+        let gaps = programme.modes.len() as f64 * programme.faults.backlash;
+        println!(
+            "{:.3}, from the third move {:.3}, half gaps {:.3}; {}; {}",
+            size(&learned) / base,
+            size(&learned[2..]) / size(&fixed[2..]),
+            gaps / base,
+            attainable::attainable(&programme)
+                .map(|best| best.over(base))
+                .join("; "),
+            programme.name
+        );
+    }
+}
+
 fn number(name: &str) -> Option<u64> {
     let mut words = std::env::args().skip_while(|word| word != name);
     words.nth(1).and_then(|word| word.parse().ok())
@@ -177,6 +202,9 @@ fn main() {
             );
         }
         return;
+    }
+    if let Some(count) = number("--attainable") {
+        return best_trains(count, number("--from").unwrap_or(0));
     }
     if let Some(count) = number("--campaign") {
         return campaign(count, number("--from").unwrap_or(0));

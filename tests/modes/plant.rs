@@ -43,7 +43,7 @@ impl PlantMode {
     }
 
     /// Natural frequency (rad/s) at a position and payload.
-    fn frequency(&self, position: f64, payload: f64) -> f64 {
+    pub fn frequency(&self, position: f64, payload: f64) -> f64 {
         let pose = self.pose(position);
         std::f64::consts::TAU * self.hertz * pose / (1.0 + self.payload * payload).sqrt()
     }
