@@ -101,7 +101,8 @@ impl Search<'_> {
                     chance(foreseen(without) - foreseen(&own))
                         && chance(missed(&own) - missed(without))
                 };
-                let meaningful = self.problem.is_meaningful(&own, temperature);
+                let meaningful =
+                    !own.is_meaningless && self.problem.is_meaningful(&own, temperature);
                 if meaningful && ablated.iter().all(worse) {
                     return Told {
                         best: own,
@@ -138,7 +139,7 @@ impl Search<'_> {
                 term.effect.title,
                 figure(factor * term.values[index], &unit)
             ))
-        } else if !self.problem.is_meaningful(own, temperature) {
+        } else if own.is_meaningless || !self.problem.is_meaningful(own, temperature) {
             Some("a parameter may be anything within its range".into())
         } else if refused.iter().any(|other| other.is_like(own)) {
             Some(

@@ -15,6 +15,7 @@ mod continuation;
 mod curves;
 mod data;
 mod descent;
+mod determined;
 mod detrended;
 mod displacement;
 mod document;
