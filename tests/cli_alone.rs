@@ -379,6 +379,50 @@ fn a_decay_that_ends_early_is_told_and_a_line_that_drifts_is_not() {
     }
 }
 
+/// What a machine at work excites falls by chance now and then: none of these falls is a decay, whose mode would be wrong.
+#[test]
+fn a_mode_that_noise_drives_on_makes_no_decay() {
+    let mut rng = generator(21);
+    for (hertz, xi) in [
+        (69.0, 0.02),
+        (35.0, 0.006),
+        (16.4, 0.005),
+        (30.0, 0.012),
+        (11.0, 0.01),
+    ] {
+        let forces: Vec<f64> = (0..20_000).map(|_| noise(&mut rng)).collect();
+        let all = oscillate(hertz, xi, [0.0; 2], 0.0, |k| forces[k], 20_000);
+        // The force itself is not what the sensor shows.
+        let own: Vec<f64> = all
+            .iter()
+            .zip(&forces)
+            .map(|(a, force)| a - force)
+            .collect();
+        let rms = (own.iter().map(|a| a * a).sum::<f64>() / 20_000.0).sqrt();
+        let found = identify("accel_m_s2", &[seen(&own, 0.02 * rms, &mut rng)]);
+        assert_eq!(found["excitation"], "work", "{hertz} Hz: {found}");
+        holds(&found, &[(hertz, xi)]);
+    }
+}
+
+/// A tap while the machine runs: what drives the mode on a little is no dependence on the amplitude, and the deviations hold.
+#[test]
+fn what_drives_a_decay_on_a_little_is_no_law_of_it() {
+    let mut rng = generator(22);
+    for (hertz, xi) in [(36.3, 0.02), (12.0, 0.02), (8.0, 0.04)] {
+        let samples = (4.5 / (xi * TAU * hertz) * RATE) as usize;
+        let forces: Vec<f64> = (0..samples).map(|_| noise(&mut rng)).collect();
+        let work = oscillate(hertz, xi, [0.0; 2], 0.0, |k| forces[k], samples);
+        let rms = (work.iter().map(|a| a * a).sum::<f64>() / samples as f64).sqrt();
+        let tap = ring([hertz, xi, 1.0, 0.3], samples);
+        let both = tap.iter().zip(&work).map(|(a, b)| a + 0.03 * b / rms);
+        let found = identify("accel_m_s2", &[both.collect()]);
+        assert_eq!(found["excitation"], "decay", "{hertz} Hz");
+        assert_eq!(found["modes"][0]["frequency_shift"], 0.0, "{hertz} Hz");
+        holds(&found, &[(hertz, xi)]);
+    }
+}
+
 /// A slow smooth move shows in the velocity of the link, and is no decay of it. The vibration after it is told where it stands out
 /// of the noise.
 #[test]

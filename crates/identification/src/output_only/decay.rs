@@ -1,8 +1,8 @@
 //! Modes of free decays: their number, their dependence on amplitude, and their uncertainty.
 
+use super::criterion::{best, unknowns};
 use super::damped::{Bend, Damped, Fit, Law, Segment, amplitudes, fit, residual};
 use super::free::{Seen, is_free};
-use super::least_squares::independent;
 use super::told::told;
 use super::{Excitation, FEWEST, OutputOnly, Vibration};
 use crate::evidence::STRONG;
@@ -40,7 +40,7 @@ pub fn modes(
     let models = grow(&segments, stop)?;
     let count: usize = segments.iter().map(|segment| segment.values.len()).sum();
     let axes: usize = segments.iter().map(|segment| segment.values.ncols()).sum();
-    let (best, independent) = best(&models, axes)?;
+    let (best, independent) = best(&models, &segments, axes)?;
     let best = &models[best];
     let explained = 1.0 - best.minimum.cost / total;
     let found = independent * (total / best.minimum.cost).ln();
@@ -49,7 +49,8 @@ pub fn modes(
         / independent;
     let (modes, left_out) = told(best, &segments, scale)?;
     let strongest = modes.first()?.known.mode.damped_frequency();
-    let is_free = seen == Seen::Before || is_free(best, &segments, strongest, independent);
+    let duration = vibration.axes[0].len() as f64 / vibration.rate;
+    let is_free = is_free((best, &segments), seen, [strongest, independent, duration]);
     if explained < seen.least() || found < needed || !is_free {
         return None;
     }
@@ -86,25 +87,6 @@ fn free(
     Some((stretches, segments))
 }
 
-/// Number of unknowns of a model: of its modes, and amplitudes and offset of each axis of each decay.
-fn unknowns(model: &Fit, axes: usize) -> f64 {
-    let of = |mode: &Damped| 2 + 2 * usize::from(mode.bend.is_some()) + 2 * axes;
-    model.modes.iter().map(of).sum::<usize>() as f64
-}
-
-/// The place of the model with the best Bayesian criterion, and the number of independent samples of what the last
-/// one leaves.
-fn best(models: &[Fit], axes: usize) -> Option<(usize, f64)> {
-    let left = &models.last()?.minimum.residual;
-    let independent = independent(left, left.len());
-    let score = |model: &Fit| {
-        independent * model.minimum.cost.ln() + unknowns(model, axes) * independent.ln()
-    };
-    let scores = models.iter().map(score).enumerate();
-    let best = scores.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some((best.0, independent))
-}
-
 /// Models, each with one more feature than the one before: a mode, or a dependence on amplitude. The feature
 /// with the larger fall of the cost per unknown is taken. It ends where two in a row have not raised the evidence.
 fn grow(segments: &[Segment], stop: Stop) -> Option<Vec<Fit>> {
@@ -131,7 +113,7 @@ fn grow(segments: &[Segment], stop: Stop) -> Option<Vec<Fit>> {
         if models.last()?.minimum.cost < 1e-20 * left.norm_squared() {
             break;
         }
-        if models.len() >= best(&models, axes)?.0 + 3 {
+        if models.len() >= best(&models, segments, axes)?.0 + 3 {
             break;
         }
     }

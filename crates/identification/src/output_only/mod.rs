@@ -5,14 +5,18 @@
 //! machine at work is fitted in frequency, as a sum of resonances by Whittle's likelihood. The Bayesian
 //! information criterion decides the number of modes.
 
+mod course;
+mod criterion;
 mod damped;
 mod decay;
 mod density;
 mod distortion;
+mod driven_on;
 mod even;
 mod events;
 mod free;
 mod least_squares;
+mod level;
 mod oscillation;
 mod resonances;
 mod response;

@@ -3,6 +3,7 @@
 use super::FoundMode;
 use super::damped::{Damped, Fit, Segment, amplitudes, coefficients};
 use super::distortion::{self, Component};
+use super::level::level;
 use nalgebra::{Complex, DMatrix};
 use quell_model::NO_RESONANCE;
 use quell_shapers::{Mode, UncertainMode};
@@ -43,16 +44,16 @@ pub enum Reason {
     Undamped,
 }
 
-/// The reported modes, the strongest first, and what else was fitted; drift is in neither. `scale` makes the
-/// covariance of the inverse of the normal equations.
+/// The reported modes, the strongest first, and what else was fitted; drift is in neither. The noise at each mode, at least this
+/// variance, makes the covariance of the inverse of the normal equations.
 pub fn told(
     best: &Fit,
     segments: &[Segment],
-    scale: f64,
+    least: f64,
 ) -> Option<(Vec<FoundMode>, Vec<LeftOut>)> {
     let first = segments.first()?;
     let span = first.period * first.values.nrows() as f64;
-    let covariance = best.minimum.inverse.as_ref().map(|inverse| inverse * scale);
+    let covariance = covariance(best, segments, least);
     let all = components(best, segments, covariance.as_ref())?;
     let amplitude = |k: usize| all[k].amplitude;
     let vibrates = |k: &usize| {
@@ -86,6 +87,20 @@ pub fn told(
     Some((kept.into_iter().filter_map(one).collect(), left_out))
 }
 
+/// The covariance of the unknowns.
+fn covariance(best: &Fit, segments: &[Segment], least: f64) -> Option<DMatrix<f64>> {
+    let inverse = best.minimum.inverse.as_ref()?;
+    let of = |mode: &Damped| {
+        let loud = level(segments, &best.modes, &best.minimum.residual, mode);
+        vec![loud.max(least).sqrt(); unknowns(mode)]
+    };
+    let noise: Vec<f64> = best.modes.iter().flat_map(of).collect();
+    let count = noise.len();
+    Some(DMatrix::from_fn(count, count, |a, b| {
+        inverse[(a, b)] * noise[a] * noise[b]
+    }))
+}
+
 /// Why a component is no mode beside the stronger ones; `None` if it is one.
 fn reason<'a>(
     own: &Component,
@@ -110,8 +125,12 @@ fn natural(mode: &Damped) -> f64 {
 
 /// The place of a mode among the unknowns.
 fn place(modes: &[Damped], k: usize) -> usize {
-    let unknowns = |mode: &Damped| 2 + 2 * usize::from(mode.bend.is_some());
     modes[..k].iter().map(unknowns).sum()
+}
+
+/// The number of unknowns of a mode besides its amplitudes.
+fn unknowns(mode: &Damped) -> usize {
+    2 + 2 * usize::from(mode.bend.is_some())
 }
 
 /// The modes of a fit with what the data say of each.
