@@ -597,3 +597,60 @@ fn a_vibrometer_alone_tells_the_damping_of_the_mode() {
     is_near(found, MODE.0, MODE.1);
     assert!((found.1 / MODE.1 - 1.0).abs() < 0.01, "{found:?}");
 }
+
+/// Makers of robots have fixed what their signals are: poses and percentages are of no joint's sensor, and a joint torque sensor
+/// does not tell what the motor gives.
+#[test]
+fn signals_of_robots_are_known_by_their_makers_names() {
+    is_read(
+        "franka.csv",
+        "time,q_d[0],q[0],dq[0],tau_J[0],theta[0]",
+        |[t, u, y]| format!("{t:.3},{u:.7},{y:.7},{u:.3},0.0,{u:.7}"),
+        &[
+            "role = \"link_position\"\njoint = \"0\"",
+            "column = \"theta[0]\"\nunit = \"rad\"",
+            "not used: tau_J[0]",
+        ],
+    );
+    let kuka = exported(
+        "kuka.csv",
+        "time_s,$AXIS_ACT_MEAS.A1,$TORQUE_AXIS_ACT[1],$CURR_ACT[1],$POS_ACT.A,$POS_ACT_MES.X,AIPos.A1,ASPos.A1,MACur.A1",
+        |[t, u, y]| format!("{t:.3},{y:.5},{u:.4},1.0,{u:.4},{y:.4},{y:.5},{u:.5},2.0"),
+    );
+    let (_, manifest) = proposed(&kuka, "kuka.csv");
+    has(
+        &manifest,
+        &[
+            "column = \"$AXIS_ACT_MEAS.A1\"\nunit = \"deg\"",
+            "column = \"$TORQUE_AXIS_ACT[1]\"\nunit = \"N.m\"",
+            "column = \"ASPos.A1\"\nunit = \"deg\"",
+            "not used: $CURR_ACT[1], $POS_ACT.A, $POS_ACT_MES.X, ",
+        ],
+    );
+    let servo = exported(
+        "servo.csv",
+        "Realtime Tick(ms),Present Position,Goal Position",
+        |[t, u, y]| {
+            format!(
+                "{:.0},{:.0},{:.0}",
+                1e3 * t,
+                2048.0 + 600.0 * y,
+                2048.0 + 600.0 * u
+            )
+        },
+    );
+    let (_, manifest) = proposed(&servo, "servo.csv");
+    assert!(!manifest.contains("joint ="), "{manifest}");
+    has(&manifest, &["role = \"command_position\"  # guessed"]);
+}
+
+/// A spreadsheet counts days: as seconds these were 2e7 samples a second, and a mode of 5e5 Hz.
+#[test]
+fn serial_dates_of_a_spreadsheet_are_days() {
+    is_read(
+        "log.csv",
+        "datetime,motor_position_deg,link_position_deg",
+        |[t, u, y]| format!("{:.12},{u:.6},{y:.6}", 45413.41666 + t / 86_400.0),
+        &["time_unit = \"day\"  # guessed: serial dates of a spreadsheet"],
+    );
+}

@@ -51,9 +51,10 @@ struct Entry {
     file: Spanned<PathBuf>,
     /// Column with the stamps, s. Of an MCAP file `log_time`, `publish_time` or a field; `header.stamp` where absent.
     time: Option<Spanned<String>>,
-    /// Unit of the stamps: `s`, `ms`, `us`, `ns`, `min`; `iso` for dates of ISO 8601 and times of day as `12:01:02.5`, `dmy` for
-    /// `03.05.2024 12:01:02,5` and `03/05/2024 12:01:02`, or `mdy` for `05/03/2024 12:01:02 PM`; `s` where absent. With this key stamps since an epoch are told from the first one's whole second
-    /// on, and a time of day goes on over midnight. Not for MCAP.
+    /// Unit of the stamps: `s`, `ms`, `us`, `ns`, `min`, `day` for serial dates of spreadsheets; `iso` for dates of ISO 8601
+    /// and times of day as `12:01:02.5`, `dmy` for `03.05.2024 12:01:02,5` and `03/05/2024 12:01:02`, or `mdy` for
+    /// `05/03/2024 12:01:02 PM`; `s` where absent. With this key stamps since an epoch are told from the first one's whole
+    /// second on, and a time of day goes on over midnight. Not for MCAP.
     time_unit: Option<Spanned<String>>,
     /// Samples a second, Hz, instead of `time`; not for MCAP.
     rate_hz: Option<Spanned<f64>>,

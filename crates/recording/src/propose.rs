@@ -19,6 +19,7 @@ mod read;
 mod render;
 mod response;
 mod restarts;
+mod robots;
 mod roles;
 mod siemens;
 mod split_stamps;

@@ -15,6 +15,8 @@ pub enum TimeUnit {
     Nanoseconds,
     /// Minutes.
     Minutes,
+    /// Days, as the serial dates of spreadsheets and of MATLAB count them.
+    Days,
     /// Date and time by ISO 8601, as `2024-05-01T12:00:00.250Z`, also `2024/05/01`; or a time of day, as `12:00:00.250`.
     Iso,
     /// Day, month, year and time, as `01.05.2024 12:00:00,250` or `01/05/2024`.
@@ -35,6 +37,7 @@ pub const TIME_UNITS: &[(TimeUnit, &str, i128)] = &[
     (TimeUnit::Microseconds, "us", 1_000),
     (TimeUnit::Nanoseconds, "ns", 1),
     (TimeUnit::Minutes, "min", 60_000_000_000),
+    (TimeUnit::Days, "day", 86_400_000_000_000),
     (TimeUnit::Iso, "iso", 1),
     (TimeUnit::DayFirst, "dmy", 1),
     (TimeUnit::MonthFirst, "mdy", 1),
@@ -66,6 +69,7 @@ impl TimeUnit {
             "usec" | "\u{b5}s" | "\u{3bc}s" | "micros" | "microseconds" => Some(Self::Microseconds),
             "nsec" | "nanos" | "nanoseconds" => Some(Self::Nanoseconds),
             "minutes" => Some(Self::Minutes),
+            "days" => Some(Self::Days),
             other => Self::from_name(other).filter(|unit| !unit.is_text()),
         }
     }
@@ -120,19 +124,33 @@ impl TimeUnit {
         let value: f64 = cell.parse().ok()?;
         let nanoseconds = TIME_UNITS[self as usize].2;
         let seconds = match self {
-            Self::Minutes => value * 60.0,
+            Self::Minutes | Self::Days => value * self.in_seconds(),
             // The power of ten is exact, so that the quotient is rounded once.
             _ => value / (GIGA / nanoseconds) as f64,
         };
         match seconds.is_finite() {
             false => None,
             true if seconds < EPOCH as f64 && origin.is_none() => Some(seconds),
+            true if self == Self::Days => Some(since(of_days(cell)?, origin)),
             true => match exact(cell, nanoseconds) {
                 Some(stamp) => Some(since(stamp, origin)),
                 None => Some(seconds - origin.unwrap_or(0) as f64),
             },
         }
     }
+}
+
+/// A serial date, in units of 1e-18 s: of a day, a double resolves less than that of a part of it.
+fn of_days(cell: &str) -> Option<i128> {
+    let days: f64 = cell.parse().ok()?;
+    let (whole, part) = match cell.split_once('.') {
+        Some((whole, part)) if !part.contains(['e', 'E']) => {
+            (whole.parse().ok()?, format!("0.{part}").parse().ok()?)
+        }
+        _ => (days.floor(), days - days.floor()),
+    };
+    let seconds: f64 = part * DAY;
+    Some((whole as i128 * DAY as i128 * GIGA * GIGA) + (seconds * (GIGA as f64).powi(2)) as i128)
 }
 
 /// A number times so many nanoseconds, in units of 1e-18 s; `None` for a number with a power of ten.

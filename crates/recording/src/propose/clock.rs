@@ -12,6 +12,11 @@ use super::units;
 /// there are less than two samples a period.
 const SLOWEST: f64 = 5.0;
 
+/// Serial dates of the years 2000 to 2099, in days since 1899-12-30, and the rate, Hz, above which these would be sampled if they
+/// were seconds: faster than any sensor of a robot.
+const SERIAL: std::ops::Range<f64> = 36_526.0..73_051.0;
+const FASTEST: f64 = 1e6;
+
 /// Units of stamps that are numbers.
 const NUMBERS: [TimeUnit; 4] = [
     TimeUnit::Seconds,
@@ -195,6 +200,16 @@ fn unit(column: &Column) -> (Guess<TimeUnit>, Option<String>) {
     }
     let step = step(column);
     let rate = |unit: &TimeUnit| 1.0 / (step * unit.in_seconds());
+    if SERIAL.contains(&first)
+        && rate(&TimeUnit::Days) >= SLOWEST
+        && rate(&TimeUnit::Seconds) > FASTEST
+    {
+        let why = format!(
+            "serial dates of a spreadsheet, in days: that is {:.4} samples a second",
+            rate(&TimeUnit::Days)
+        );
+        return (Guess::guessed(TimeUnit::Days, why), None);
+    }
     let fits = |unit: &TimeUnit| rate(unit) >= SLOWEST;
     match NUMBERS.into_iter().find(fits) {
         Some(TimeUnit::Seconds) => {

@@ -3,7 +3,7 @@
 use super::super::role::Role;
 use super::super::unit::Dimension;
 use super::content::Content;
-use super::{drives, siemens, tool, units};
+use super::{drives, robots, siemens, tool, units};
 
 /// The role of a column, and whether it is certain.
 pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
@@ -11,6 +11,9 @@ pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
     let fixed = drives::sercos(name).or_else(|| drives::odrive(name).map(|own| own.0));
     if let Some(role) = fixed {
         return Some((role, true));
+    }
+    if let Some(signal) = robots::signal(content, index) {
+        return signal.map(|(role, _)| (role, true));
     }
     let of_drive = siemens::role(content, index).or_else(|| drives::elmo(content, index));
     if let Some(found) = of_drive {

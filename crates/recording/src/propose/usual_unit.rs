@@ -5,6 +5,7 @@ use super::super::unit::Dimension;
 use super::Guess;
 use super::content::Content;
 use super::drives;
+use super::robots;
 
 /// Standard acceleration of free fall, m/s^2.
 const G_N: f64 = 9.80665;
@@ -21,6 +22,9 @@ pub fn of(content: &Content, role: Role, columns: &[usize]) -> Guess<String> {
     });
     if let Some((_, unit)) = drives::odrive(&content.columns[columns[0]].name) {
         return Guess::guessed(unit.into(), "ODrive tells turns since its firmware 0.5");
+    }
+    if let Some(Some((_, unit))) = robots::signal(content, columns[0]) {
+        return Guess::known(unit.into());
     }
     if role != Role::TipAcceleration {
         let usual = role.entry().dimensions[0];

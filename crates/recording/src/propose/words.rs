@@ -89,6 +89,8 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
             "sollwert",
             "sollposition",
             "consigne",
+            "goal",
+            "planned",
             // A name in data sets for machine learning.
             "action",
         ],
@@ -203,6 +205,7 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
             "state",
             "actual",
             "act",
+            "present",
             "feedback",
             "fbk",
             "ist",
