@@ -216,7 +216,7 @@ fn a_manifest_is_refused_with_line_and_key() {
         ),
         (
             "name = \"run\"\n".into(),
-            "run.toml:1: missing key `channel`",
+            "run.toml: channel: there is none: write a block [[channel]]",
         ),
     ];
     for (manifest, words) in &cases {

@@ -654,3 +654,60 @@ fn serial_dates_of_a_spreadsheet_are_days() {
         &["time_unit = \"day\"  # guessed: serial dates of a spreadsheet"],
     );
 }
+
+/// What is in brackets is the unit of any quantity, and a controller's durations are stamps.
+#[test]
+fn a_row_of_units_and_durations_of_a_controller_are_read() {
+    is_read(
+        "scope.csv",
+        "ActPos;SetTorque;State;Temperature;LinkPosition;Time\n[deg];[Nm];[];[\u{b0}C];[deg];[s]",
+        |[t, u, y]| format!("{u:.6};0.0;1;31;{y:.6};{t:.3}").replace('.', ","),
+        &[
+            "unit = \"deg\"",
+            "column = \"2\"  # SetTorque [Nm]\nunit = \"N.m\"",
+            "time = \"6\"",
+        ],
+    );
+    is_read(
+        "plc.csv",
+        "Time;MotorPosition [deg];LinkPosition [deg]",
+        |[t, u, y]| {
+            let ms = (1e3 * t).round() as u32;
+            format!("T#{}s{}ms;{u:.6};{y:.6}", ms / 1000, ms % 1000)
+        },
+        &["time_unit = \"iec\""],
+    );
+}
+
+/// What is left between command and measurement is no position.
+#[test]
+fn errors_of_control_are_no_positions_and_short_names_deflections() {
+    is_read(
+        "errors.csv",
+        "time_s,jErr_deg,Lag [deg],following_error [deg],motor_position_deg,tip_defl_deg",
+        |[t, u, y]| format!("{t:.3},{u:.6},{u:.6},{u:.6},{u:.6},{:.6}", y - u),
+        &[
+            "role = \"motor_position\"\nfile = \"errors.csv\"\ntime = \"time_s\"\ncolumn = \"motor_position_deg\"",
+            "role = \"deformation\"\n",
+            "not used: jErr_deg, Lag [deg], following_error [deg]",
+        ],
+    );
+}
+
+/// What no document of the maker tells is guessed, and marked as such.
+#[test]
+fn signals_of_robots_that_are_not_documented_are_guesses() {
+    let kuka = exported(
+        "kuka.csv",
+        "time_s,$AXIS_ACT_MEAS.A1,ASPos.A1",
+        |[t, u, y]| format!("{t:.3},{y:.5},{u:.5}"),
+    );
+    let (_, manifest) = proposed(&kuka, "kuka.csv");
+    has(
+        &manifest,
+        &[
+            "role = \"motor_position\"  # guessed: by the name",
+            "role = \"command_position\"\n",
+        ],
+    );
+}

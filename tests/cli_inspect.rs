@@ -264,7 +264,7 @@ fn bad_manifests_are_refused_with_line_and_key() {
         (
             "no channels",
             "name = \"x\"\nchannel = []\n".into(),
-            &["channel: there is none"],
+            &["channel: there is none: write a block [[channel]]"],
         ),
         (
             "empty",
@@ -580,4 +580,15 @@ fn val_a_column_of_payloads_is_declared() {
             assert!(!text.contains("not used"), "{text}");
         }
     }
+}
+
+/// A proposed manifest whose blocks are all comments lacks no key: it is to be filled in.
+#[test]
+fn a_manifest_of_blocks_to_fill_in_says_so() {
+    let manifest = "name = \"run\"\n\n# Fill in role and unit.\n# [[channel]]\n# role = \"\"\n";
+    let words = [
+        "recording.toml:4: channel: there is none yet",
+        "fill in role and unit",
+    ];
+    refused("comments", &folder(manifest, &[]), &words);
 }

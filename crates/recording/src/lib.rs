@@ -34,6 +34,7 @@
 
 mod carries;
 mod dates;
+mod durations;
 mod error;
 mod even;
 mod exactly;

@@ -19,6 +19,11 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
+/// The head of a channel.
+const BLOCK: &str = "[[channel]]";
+/// What the reader says where there is none.
+const NO_CHANNEL: &str = "missing field `channel`";
+
 /// The whole file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -52,8 +57,8 @@ struct Entry {
     /// Column with the stamps, s. Of an MCAP file `log_time`, `publish_time` or a field; `header.stamp` where absent.
     time: Option<Spanned<String>>,
     /// Unit of the stamps: `s`, `ms`, `us`, `ns`, `min`, `day` for serial dates of spreadsheets; `iso` for dates of ISO 8601
-    /// and times of day as `12:01:02.5`, `dmy` for `03.05.2024 12:01:02,5` and `03/05/2024 12:01:02`, or `mdy` for
-    /// `05/03/2024 12:01:02 PM`; `s` where absent. With this key stamps since an epoch are told from the first one's whole
+    /// and times of day as `12:01:02.5`, `dmy` for `03.05.2024 12:01:02,5` and `03/05/2024 12:01:02`, `mdy` for
+    /// `05/03/2024 12:01:02 PM`, or `iec` for durations of controllers as `T#1s4ms`; `s` where absent. With this key stamps since an epoch are told from the first one's whole
     /// second on, and a time of day goes on over midnight. Not for MCAP.
     time_unit: Option<Spanned<String>>,
     /// Samples a second, Hz, instead of `time`; not for MCAP.
@@ -229,10 +234,27 @@ impl Source<'_> {
     }
 
     fn manifest(&self) -> Result<Manifest, RecordingError> {
-        let manifest: Manifest = toml::from_str(self.text).map_err(|error| self.syntax(&error))?;
+        let read = |error: toml::de::Error| match error.message() {
+            NO_CHANNEL => self.no_channel(),
+            _ => self.syntax(&error),
+        };
+        let manifest: Manifest = toml::from_str(self.text).map_err(read)?;
         match manifest.channel.is_empty() {
-            true => Err(key("channel", "there is none").in_file(self.path)),
+            true => Err(self.no_channel()),
             false => Ok(manifest),
+        }
+    }
+
+    /// That there is no channel, at the first block that is still a comment.
+    fn no_channel(&self) -> RecordingError {
+        let is_block = |line: &str| line.trim_start_matches(['#', ' ']).starts_with(BLOCK);
+        match self.text.lines().position(is_block) {
+            Some(line) => key(
+                "channel",
+                "there is none yet: fill in role and unit of this block, or of another one, and take the marks # of its lines away",
+            )
+            .at_line(self.path, line + 1),
+            None => key("channel", format!("there is none: write a block {BLOCK}")).in_file(self.path),
         }
     }
 

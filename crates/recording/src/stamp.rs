@@ -1,6 +1,7 @@
 //! Stamps in other units than seconds: milliseconds, an epoch's nanoseconds, dates and times of day.
 
 use super::dates::{GIGA, nanoseconds, year_first};
+use super::durations;
 
 /// The unit of a stamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +24,8 @@ pub enum TimeUnit {
     DayFirst,
     /// Month, day, year and time, as `05/01/2024 12:00:00.250 PM`.
     MonthFirst,
+    /// A duration of a controller's program, by IEC 61131-3: `T#1s4ms`, `LTIME#1m_2.5s`.
+    Iec,
 }
 
 /// Whether a number may be seconds since 1970, in the years 2001 to 2286: it has ten digits.
@@ -41,6 +44,7 @@ pub const TIME_UNITS: &[(TimeUnit, &str, i128)] = &[
     (TimeUnit::Iso, "iso", 1),
     (TimeUnit::DayFirst, "dmy", 1),
     (TimeUnit::MonthFirst, "mdy", 1),
+    (TimeUnit::Iec, "iec", 1),
 ];
 
 /// Origin of stamps since an epoch: the whole second of the first one, s. All channels of a recording share it.
@@ -85,9 +89,12 @@ impl TimeUnit {
         TIME_UNITS[self as usize].1
     }
 
-    /// Whether stamps are dates or times of day, and not numbers.
+    /// Whether stamps are dates, times of day or durations in words, and not numbers.
     pub fn is_text(self) -> bool {
-        matches!(self, Self::Iso | Self::DayFirst | Self::MonthFirst)
+        matches!(
+            self,
+            Self::Iso | Self::DayFirst | Self::MonthFirst | Self::Iec
+        )
     }
 
     /// A stamp after another one, s: a time of day that has fallen by more than half a day is of the next.
@@ -112,6 +119,7 @@ impl TimeUnit {
             Self::Iso => Some(nanoseconds(cell)?),
             Self::DayFirst => Some(nanoseconds(&year_first(cell, false)?)?),
             Self::MonthFirst => Some(nanoseconds(&year_first(cell, true)?)?),
+            Self::Iec => Some(durations::nanoseconds(cell)?),
             _ => None,
         };
         if let Some(date) = date {

@@ -155,13 +155,14 @@ fn is_clock(column: &Column) -> bool {
     column.is_numeric() || column.is_mostly_numeric() || date(column).is_some()
 }
 
-/// The unit of a column whose first cell is a date or a time of day: that in which most of its cells are one, since
+/// The unit of a column whose first cell is a date, a time of day or a duration `T#4ms`: that in which most of its cells are one, since
 /// `01/05` may begin with the day or with the month.
 fn date(column: &Column) -> Option<TimeUnit> {
     let is_one = |unit: TimeUnit, cell: &str| unit.seconds(cell, &mut Some(0)).is_some();
     let first = column.first.as_str();
     let units = TIME_UNITS.iter().map(|line| line.0);
-    let able = units.filter(|unit| unit.is_text() && first.contains(':') && is_one(*unit, first));
+    let is_marked = first.contains([':', '#']);
+    let able = units.filter(|unit| unit.is_text() && is_marked && is_one(*unit, first));
     let read = |unit: &TimeUnit| {
         let cells = column.distinct.iter();
         cells.filter(|cell| is_one(*unit, cell)).count()

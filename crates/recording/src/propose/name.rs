@@ -3,7 +3,7 @@
 use super::super::role::{ROLES, Role};
 use super::super::unit::Dimension;
 use super::units;
-use super::words::{ANGLES, COUNTS, INPUTS, PAYLOADS, TIME, WORDS};
+use super::words::{ANGLES, COUNTS, ERRORS, INPUTS, PAYLOADS, TIME, WORDS};
 
 /// The parts of a name.
 #[derive(Clone, Debug, Default)]
@@ -148,6 +148,12 @@ impl Name {
         let mut speeds = WORDS.iter().filter(|line| line.0 == Role::MotorVelocity);
         let has = |word: &&str| self.words.iter().any(|own| bare(own) == *word);
         speeds.any(|line| line.2.iter().any(has))
+    }
+
+    /// Whether a word of it means an error of control: `jErr`, `following_error`, `LagDistance`.
+    pub fn is_error(&self) -> bool {
+        let mut words = self.words.iter().map(|own| bare(own));
+        words.any(|word| ERRORS.contains(&word))
     }
 
     /// The axis in the name: 0, 1 or 2 for x, y or z.

@@ -4,19 +4,25 @@ use super::super::role::Role;
 use super::content::Content;
 use super::name::Name;
 
-/// What a signal is: a role and its unit, or nothing that a joint's sensor tells.
-type Signal = Option<(Role, &'static str)>;
+/// What a signal is: a role, its unit, and whether the maker's public documents say both; or nothing that a joint's sensor tells.
+type Signal = Option<(Role, &'static str, bool)>;
 
-/// Words before the number of an axis, and what the signal is. Poses are computed from the axes; speeds and currents are percentages
-/// of the greatest.
+/// Words before the number of an axis, and what the signal is. Poses are computed from the axes; of speeds and currents no public
+/// document tells the unit.
 ///
-/// Sources: KUKA, System Variables, for KSS 8.1 to 8.4; KUKA.RobotSensorInterface 3.1: AIPos and ASPos are actual and commanded
-/// positions of the axes, RIst and RSol poses.
+/// Sources: KUKA.RobotSensorInterface 3.1: AIPos and ASPos are actual and setpoint positions of the axes, RIst and RSol those of the
+/// tool, MACur currents of motors. KUKA, System Variables, for KSS 8.1 to 8.4, has the others, which are read here by their names.
 const KUKA: &[(&[&str], Signal)] = &[
-    (&["axis", "act", "meas"], Some((Role::MotorPosition, "deg"))),
-    (&["aipos"], Some((Role::MotorPosition, "deg"))),
-    (&["aspos"], Some((Role::CommandPosition, "deg"))),
-    (&["torque", "axis", "act"], Some((Role::Torque, "N.m"))),
+    (&["aipos"], Some((Role::MotorPosition, "deg", true))),
+    (&["aspos"], Some((Role::CommandPosition, "deg", true))),
+    (
+        &["axis", "act", "meas"],
+        Some((Role::MotorPosition, "deg", false)),
+    ),
+    (
+        &["torque", "axis", "act"],
+        Some((Role::Torque, "N.m", false)),
+    ),
     (&["vel", "axis", "act"], None),
     (&["curr", "act"], None),
     (&["macur"], None),
@@ -26,17 +32,17 @@ const KUKA: &[(&[&str], Signal)] = &[
     (&["rsol"], None),
 ];
 
-/// Signals of the state of a Franka robot, whose `tau_J` stands beside. `theta` is the motor's, `q` the link's.
+/// Signals of the state of a Franka robot, whose `tau_J` stands beside. `theta` is the motor's, `q` the joint's, behind the gear.
 ///
 /// Source: libfranka, `franka::RobotState`.
 const FRANKA: &[(&[&str], Signal)] = &[
-    (&["q"], Some((Role::LinkPosition, "rad"))),
-    (&["q", "d"], Some((Role::CommandPosition, "rad"))),
-    (&["dq"], Some((Role::LinkVelocity, "rad/s"))),
+    (&["q"], Some((Role::LinkPosition, "rad", true))),
+    (&["q", "d"], Some((Role::CommandPosition, "rad", true))),
+    (&["dq"], Some((Role::LinkVelocity, "rad/s", true))),
     (&["dq", "d"], None),
-    (&["theta"], Some((Role::MotorPosition, "rad"))),
-    (&["dtheta"], Some((Role::MotorVelocity, "rad/s"))),
-    // A sensor behind the gear, not what the motor gives.
+    (&["theta"], Some((Role::MotorPosition, "rad", true))),
+    (&["dtheta"], Some((Role::MotorVelocity, "rad/s", true))),
+    // A sensor on the link's side, not what the motor gives.
     (&["tau", "j"], None),
     (&["tau", "j", "d"], None),
     (&["dtau", "j"], None),

@@ -13,7 +13,7 @@ pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
         return Some((role, true));
     }
     if let Some(signal) = robots::signal(content, index) {
-        return signal.map(|(role, _)| (role, true));
+        return signal.map(|(role, _, known)| (role, known));
     }
     let of_drive = siemens::role(content, index).or_else(|| drives::elmo(content, index));
     if let Some(found) = of_drive {
@@ -36,6 +36,9 @@ fn by_name(content: &Content, index: usize) -> Option<(Role, bool)> {
         || name.words.len() == 1 && content.is_called_accelerometer();
     if of_one && name.axis().is_some() {
         return Some((Role::TipAcceleration, true));
+    }
+    if name.is_error() {
+        return None;
     }
     if let Some(role) = super::theta::role(content, index) {
         return Some((role, false));

@@ -4,8 +4,10 @@ use super::cells::{split, unmarked};
 use super::{name, units};
 
 /// What stands in a row of units for a quantity that has none, or whose unit is that of the device.
-const NO_UNITS: [&str; 10] = [
+const NO_UNITS: [&str; 16] = [
     "-", "--", "%", "\u{2030}", "1/1", "a.u.", "bool", "bit", "lsb", "n/a",
+    // Of quantities that are no joint's.
+    "\u{b0}c", "degc", "w", "kw", "hz", "khz",
 ];
 
 /// What a row of units may begin with.
@@ -54,14 +56,15 @@ pub fn named(header: &str, delimiter: char) -> Vec<String> {
     names.map(str::to_owned).collect()
 }
 
-/// Whether a line contains only units, more than one. A cell may be blank, and a quantity without a physical unit has a
-/// sign of its own; but one at least is a unit.
+/// Whether a line contains only units, more than one. A cell may be blank, a quantity without a physical unit has a
+/// sign of its own, and what is in brackets may be the unit of any quantity; but one at least is a unit.
 pub fn is_units(line: &str, delimiter: char) -> bool {
     let cells = split(line, delimiter);
     let said: Vec<&str> = cells.into_iter().filter(|cell| !cell.is_empty()).collect();
     let is_one = |cell: &&str| units::is_unit(units::in_brackets(bare(cell)));
     let is_sign = |cell: &&str| NO_UNITS.contains(&bare(cell).to_lowercase().as_str());
-    let is_any = |own: &&str| is_one(own) || is_sign(own) || is_label(own);
+    let is_in_brackets = |cell: &&str| bare(cell) != *cell;
+    let is_any = |own: &&str| is_one(own) || is_sign(own) || is_label(own) || is_in_brackets(own);
     said.len() > 1 && said.iter().any(is_one) && said.iter().all(is_any)
 }
 

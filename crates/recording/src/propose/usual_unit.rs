@@ -23,8 +23,12 @@ pub fn of(content: &Content, role: Role, columns: &[usize]) -> Guess<String> {
     if let Some((_, unit)) = drives::odrive(&content.columns[columns[0]].name) {
         return Guess::guessed(unit.into(), "ODrive tells turns since its firmware 0.5");
     }
-    if let Some(Some((_, unit))) = robots::signal(content, columns[0]) {
-        return Guess::known(unit.into());
+    match robots::signal(content, columns[0]) {
+        Some(Some((_, unit, true))) => return Guess::known(unit.into()),
+        Some(Some((_, unit, false))) => {
+            return Guess::guessed(unit.into(), "by the name of the maker's signal");
+        }
+        _ => {}
     }
     if role != Role::TipAcceleration {
         let usual = role.entry().dimensions[0];

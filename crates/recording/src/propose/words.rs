@@ -33,6 +33,7 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
         &[
             "deformation",
             "deflection",
+            "defl",
             "d\u{e9}formation",
             "durchbiegung",
         ],
@@ -253,6 +254,20 @@ pub const BESIDE: &[&str] = &[
     "secondary",
     "low",
     "high",
+];
+
+/// Words for what is left between a command and what was measured: no quantity of the joint itself.
+pub const ERRORS: &[&str] = &[
+    "err",
+    "error",
+    "errors",
+    "lag",
+    "following",
+    "schleppfehler",
+    "schleppabstand",
+    "regelabweichung",
+    "fehler",
+    "erreur",
 ];
 
 /// Words for time.
