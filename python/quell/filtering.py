@@ -126,7 +126,15 @@ class AdaptiveFilter:
         -------
         Setpoint
             What is to be sent.
+
+        Raises
+        ------
+        ShaperError
+            Where a value is not finite; the filter stays as it was.
         """
+        for name, value in (("position", position), ("velocity", velocity), ("acceleration", acceleration)):
+            if not math.isfinite(value):
+                raise ShaperError(f"{name}: {value} is not a finite number")
         return Setpoint(*self._inner.step(position, velocity, acceleration))
 
     def apply(

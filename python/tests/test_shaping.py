@@ -90,6 +90,7 @@ def test_a_move_keeps_its_limits_and_ends_on_its_target() -> None:
         (quell.ShaperError, r"\(1,\) is nan", lambda: quell.shape([0, np.nan], (8, 0.05), rate=250)),
         (quell.ShaperError, r"shape \(0,\)", lambda: quell.shape([], (8, 0.05), rate=250)),
         (quell.ShaperError, "0.001", lambda: quell.AdaptiveFilter(250).install(quell.Shaper("zv", (8, 0.05), 1000))),
+        (quell.ShaperError, "velocity: inf", lambda: quell.AdaptiveFilter(250).step(0.0, np.inf)),
         (quell.PlanError, "axis 1", lambda: quell.plan([0, 0], [1, np.inf], quell.Limits(1, 1, 1), rate=250)),
         (quell.PlanError, "one shape", lambda: quell.plan([0, 0], [1, 2, 3], quell.Limits(1, 1, 1), rate=250)),
         (quell.PlanError, "-1", lambda: quell.plan(0, 1, quell.Limits(-1, 1, 1), rate=250)),
