@@ -405,24 +405,6 @@ fn a_mode_that_noise_drives_on_makes_no_decay() {
     }
 }
 
-/// A tap while the machine runs: what drives the mode on a little is no dependence on the amplitude, and the deviations hold.
-#[test]
-fn what_drives_a_decay_on_a_little_is_no_law_of_it() {
-    let mut rng = generator(22);
-    for (hertz, xi) in [(36.3, 0.02), (12.0, 0.02), (8.0, 0.04)] {
-        let samples = (4.5 / (xi * TAU * hertz) * RATE) as usize;
-        let forces: Vec<f64> = (0..samples).map(|_| noise(&mut rng)).collect();
-        let work = oscillate(hertz, xi, [0.0; 2], 0.0, |k| forces[k], samples);
-        let rms = (work.iter().map(|a| a * a).sum::<f64>() / samples as f64).sqrt();
-        let tap = ring([hertz, xi, 1.0, 0.3], samples);
-        let both = tap.iter().zip(&work).map(|(a, b)| a + 0.03 * b / rms);
-        let found = identify("accel_m_s2", &[both.collect()]);
-        assert_eq!(found["excitation"], "decay", "{hertz} Hz");
-        assert_eq!(found["modes"][0]["frequency_shift"], 0.0, "{hertz} Hz");
-        holds(&found, &[(hertz, xi)]);
-    }
-}
-
 /// A slow smooth move shows in the velocity of the link, and is no decay of it. The vibration after it is told where it stands out
 /// of the noise.
 #[test]

@@ -40,7 +40,7 @@ pub fn modes(
     let models = grow(&segments, stop)?;
     let count: usize = segments.iter().map(|segment| segment.values.len()).sum();
     let axes: usize = segments.iter().map(|segment| segment.values.ncols()).sum();
-    let (best, independent) = best(&models, &segments, axes)?;
+    let (best, independent) = best(&models, axes)?;
     let best = &models[best];
     let explained = 1.0 - best.minimum.cost / total;
     let found = independent * (total / best.minimum.cost).ln();
@@ -113,7 +113,7 @@ fn grow(segments: &[Segment], stop: Stop) -> Option<Vec<Fit>> {
         if models.last()?.minimum.cost < 1e-20 * left.norm_squared() {
             break;
         }
-        if models.len() >= best(&models, segments, axes)?.0 + 3 {
+        if models.len() >= best(&models, axes)?.0 + 3 {
             break;
         }
     }
