@@ -24,16 +24,14 @@ impl Problem<'_> {
         if self.stop.now() {
             return left_out(data);
         }
-        let work = |nodes: usize| self.simulated.fetch_add(nodes as u64, Relaxed);
+        self.simulated
+            .fetch_add(data.grid.input.len() as u64, Relaxed);
         let (terms, starts) = (&point.terms, &local.departures);
         if self.frozen {
-            let clocks = &local.clocks;
-            let (shown, nodes) = predict_windows(kind, &keys, terms, data, starts, clocks);
-            work(nodes);
+            let shown = predict_windows(kind, &keys, terms, data, starts, &local.clocks);
             return compared(data, shown.into_iter(), None);
         }
         let simulated = simulate_windows(kind, &keys, terms, data, starts);
-        work(simulated.trace.time.len());
         self.read(point, experiment, simulated)
     }
 

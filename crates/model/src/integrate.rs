@@ -61,7 +61,7 @@ pub fn integrate(chain: &mut Chain, grid: &Grid, state: State, timed: &Timed) ->
 }
 
 /// [`integrate`] in parts of about `nodes` nodes, the last one marked `true`, so that a long motion need not be
-/// kept in memory. A part begins with the last [`OVERLAP`] nodes of the one before. Returns the number of all nodes.
+/// kept in memory. A part begins with the last [`OVERLAP`] nodes of the one before.
 pub(super) fn integrate_in_parts(
     chain: &mut Chain,
     grid: &Grid,
@@ -69,25 +69,20 @@ pub(super) fn integrate_in_parts(
     timed: &Timed,
     nodes: usize,
     mut see: impl FnMut(&Trace, bool),
-) -> usize {
+) {
     let room = nodes.min(grid.input.len() + 1) + MOST_NODES;
     let trace = Trace::with_capacity(room, !chain.resonances.is_empty());
     let Some(mut journey) = Journey::new(chain, grid, state, timed, trace) else {
-        see(&Trace::default(), true);
-        return 0;
+        return see(&Trace::default(), true);
     };
-    let mut gone = 0;
     for k in 0..grid.input.len() {
         journey.step(k);
         if journey.trace.time.len() >= nodes.max(2 * OVERLAP) {
             see(&journey.trace, false);
-            gone += journey.trace.time.len() - OVERLAP;
             journey.trace.keep_last(OVERLAP);
         }
     }
-    let trace = journey.end();
-    see(&trace, true);
-    gone + trace.time.len()
+    see(&journey.end(), true);
 }
 
 /// Number of nodes that two parts of a motion share. A value without a slope of its own needs a node on either

@@ -184,7 +184,7 @@ impl Experiment {
     pub(super) fn predicted(&self, model: &Model, terms: &[Term]) -> Vec<Vec<f64>> {
         let clocks: Vec<f64> = self.outputs.iter().map(|o| o.clock_offset).collect();
         let start = &[Departure::default()];
-        let (all, _) = predict_windows(model.kind, &model.keys(), terms, self, start, &clocks);
+        let all = predict_windows(model.kind, &model.keys(), terms, self, start, &clocks);
         all.into_iter().map(|one| one.values).collect()
     }
 

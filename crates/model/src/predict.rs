@@ -122,8 +122,7 @@ pub fn simulate_windows(
 }
 
 /// The outputs of [`simulate_windows`], each with its clock's offset, identical to the bit. The motion itself
-/// is not kept, so that memory is needed for the outputs only. Also gives the number of nodes of the motion, a measure of
-/// the work.
+/// is not kept, so that memory is needed for the outputs only.
 pub fn predict_windows(
     kind: &Kind,
     keys: &[f64],
@@ -131,7 +130,7 @@ pub fn predict_windows(
     experiment: &Experiment,
     departures: &[Departure],
     clocks: &[f64],
-) -> (Vec<Prediction>, usize) {
+) -> Vec<Prediction> {
     let ready = ready(kind, keys, terms, experiment, departures);
     predict_in_parts(ready, &experiment.outputs, clocks, PART)
 }
@@ -156,7 +155,7 @@ fn predict_in_parts(
     outputs: &[Output],
     clocks: &[f64],
     nodes: usize,
-) -> (Vec<Prediction>, usize) {
+) -> Vec<Prediction> {
     let pairs = outputs.iter().zip(clocks);
     let mut readers: Vec<Reader> = pairs
         .map(|(output, &clock)| Reader::new(&ready.eyes, output, clock))
@@ -167,8 +166,8 @@ fn predict_in_parts(
         }
     };
     let (chain, grid) = (&mut ready.chain, &ready.grid);
-    let all = integrate_in_parts(chain, grid, ready.state, &ready.timed, nodes, see);
-    (readers.into_iter().map(Reader::end).collect(), all)
+    integrate_in_parts(chain, grid, ready.state, &ready.timed, nodes, see);
+    readers.into_iter().map(Reader::end).collect()
 }
 
 /// Chain, grid, start and sensors for values of the keys, effects and departures.

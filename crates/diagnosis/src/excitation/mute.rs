@@ -32,7 +32,7 @@ pub fn mute(
         let clocks: Vec<f64> = experiment.outputs.iter().map(|o| o.clock_offset).collect();
         let (keys, terms) = (model.keys(), model.terms());
         let start = &[Departure::default()];
-        let (shown, _) = predict_windows(model.kind, &keys, &terms, experiment, start, &clocks);
+        let shown = predict_windows(model.kind, &keys, &terms, experiment, start, &clocks);
         for (output, shown) in experiment.outputs.iter().zip(shown) {
             // Only the mean is taken out: the frame's columns are made of the tracker's angle and would explain
             // a short arc.
