@@ -67,9 +67,10 @@ impl Scatter {
             return [value; 2];
         }
         let (low, high) = problem.limits(point, global);
-        let reach = self
-            .deviation(global)
-            .map_or(f64::INFINITY, |deviation| STUDENT_95 * deviation);
+        let index = self.globals.iter().position(|g| *g == global);
+        let reach = index.map_or(f64::INFINITY, |i| {
+            STUDENT_95 * self.covariance[(i, i)].sqrt()
+        });
         let own = |value: f64| match problem.logarithmic(global) {
             true => value.exp(),
             false => value,
@@ -78,12 +79,6 @@ impl Scatter {
             own(value - reach).max(low.min(own(value))),
             own(value + reach).min(high.max(own(value))),
         ]
-    }
-
-    /// Standard deviation of an unknown; `None` for one that was not fitted.
-    pub fn deviation(&self, global: Global) -> Option<f64> {
-        let index = self.globals.iter().position(|own| *own == global)?;
-        Some(self.covariance[(index, index)].sqrt())
     }
 
     /// Covariance of some of the unknowns; 0 for those that were not fitted.

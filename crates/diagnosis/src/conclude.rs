@@ -2,7 +2,7 @@
 
 use super::alternatives::alternatives;
 use super::better_model::better_model;
-use super::bootstrap::Scatter;
+use super::bootstrap::{Scatter, bootstrap};
 use super::document::{
     Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, Quality, Scored, Verdict,
 };
@@ -12,6 +12,7 @@ use super::found::Found;
 use super::law_band::law_curve;
 use super::locate::Located;
 use super::nuisances::{intervals_of_keys, nuisances};
+use super::outcome::Options;
 use super::point::{EffectAt, Global, Point};
 use super::quality::{level, quality};
 use super::scores::{Laden, Recordings, scores, take_over};
@@ -39,11 +40,14 @@ pub struct Concluded {
 /// All conclusions from a search.
 pub fn conclude(
     search: &Search,
-    (found, scatter): (&Found, &Scatter),
+    found: &Found,
     located: &Located,
     (recordings, mut remarks): (Recordings, Vec<String>),
+    options: &Options,
 ) -> Concluded {
     let verdict = verdict(search, found, located);
+    // Where no effect is told, the best explanation is the refitted model.
+    let scatter = bootstrap(search, found, options);
     if !scatter.is_drawn {
         remarks.push(UNDRAWN.into());
     }
@@ -52,7 +56,7 @@ pub fn conclude(
     let fit = fit(search, found, (told, &machine));
     let findings = match verdict {
         Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => Vec::new(),
-        _ => findings(search, found, scatter, &fit.after),
+        _ => findings(search, found, &scatter, &fit.after),
     };
     let mut diagnosis = Diagnosis {
         verdict,
@@ -64,7 +68,7 @@ pub fn conclude(
         },
         fit,
         nuisances: nuisances(search, reported(verdict, found)),
-        nuisances_ci95: intervals_of_keys(search, &found.best, scatter),
+        nuisances_ci95: intervals_of_keys(search, &found.best, &scatter),
         next_move: None,
         candidates: found
             .ranked

@@ -101,8 +101,7 @@ impl Search<'_> {
                     chance(foreseen(without) - foreseen(&own))
                         && chance(missed(&own) - missed(without))
                 };
-                let meaningful =
-                    !own.is_meaningless && self.problem.is_meaningful(&own, temperature);
+                let meaningful = self.problem.is_meaningful(&own, temperature);
                 if meaningful && ablated.iter().all(worse) {
                     return Told {
                         best: own,
@@ -139,7 +138,7 @@ impl Search<'_> {
                 term.effect.title,
                 figure(factor * term.values[index], &unit)
             ))
-        } else if own.is_meaningless || !self.problem.is_meaningful(own, temperature) {
+        } else if !self.problem.is_meaningful(own, temperature) {
             Some("a parameter may be anything within its range".into())
         } else if refused.iter().any(|other| other.is_like(own)) {
             Some(

@@ -15,7 +15,6 @@ mod continuation;
 mod curves;
 mod data;
 mod descent;
-mod determined;
 mod detrended;
 mod displacement;
 mod document;

@@ -2,8 +2,8 @@
 //! one alone leaves the mismatch of the others and gains little, but all together leave only noise.
 //!
 //! The evidence of a mismatch of unknown cause is not known before its cause is. So structures are ranked ahead
-//! as if only noise were left in the end. They are kept if one of them is then the most probable of all, with the
-//! temperature that the mismatch left by them has, and forgotten otherwise.
+//! as if only noise were left in the end. They are kept if one of them indeed leaves only noise, and forgotten
+//! otherwise.
 
 use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
@@ -13,7 +13,7 @@ use super::search::Search;
 use super::thresholds::MOST_EFFECTS;
 
 impl Search<'_> {
-    /// Adds structures of more effects than the best explanation to a pool if one of them is more probable; at
+    /// Adds structures of more effects than the best explanation to a pool if one of them leaves only noise; at
     /// most once for a pool. Returns whether there is one.
     pub fn look_ahead(&self, pool: &mut Pool) -> bool {
         if self.leaves_noise(pool.best(self.judge))
@@ -22,17 +22,6 @@ impl Search<'_> {
             return false;
         }
         let mut ahead = pool.clone();
-        self.search_ahead(pool, &mut ahead);
-        let is_better = !ahead.best(self.judge).is_like(pool.best(self.judge));
-        if is_better {
-            ahead.is_unfinished = pool.is_unfinished;
-            *pool = ahead;
-        }
-        is_better
-    }
-
-    /// Adds structures to a pool ahead of another one, until one leaves only noise, or no further effect gains.
-    fn search_ahead(&self, pool: &mut Pool, ahead: &mut Pool) {
         let best = Some(pool.best(self.judge)).filter(|own| own.terms() > 0 && !own.is_learned());
         for own in std::iter::once(pool.baseline()).chain(best) {
             self.pairs(own).into_iter().for_each(|pair| ahead.add(pair));
@@ -42,25 +31,27 @@ impl Search<'_> {
             for own in &own {
                 if self.is_over() {
                     pool.is_unfinished = true;
-                    return;
+                    return false;
                 }
                 if !ahead.is_extended(own, Table::Named) {
-                    self.add_extended(ahead, own, Table::Named);
+                    self.add_extended(&mut ahead, own, Table::Named);
                 }
             }
             let mut next = ahead.most_likely(count + 1);
             if next.iter().any(|own| self.judge.fits_to_noise(own)) {
-                self.refit_doubtful(ahead, |_| CALIBRATED);
+                self.refit_doubtful(&mut ahead, |_| CALIBRATED);
                 next = ahead.most_likely(count + 1);
             }
             if next.iter().any(|own| self.leaves_noise(own)) {
-                return;
+                *pool = ahead;
+                return true;
             }
             let best = own.first().map(score);
             if next.first().map(score) <= best {
-                return;
+                return false;
             }
         }
+        false
     }
 }
 

@@ -54,6 +54,9 @@ impl Problem<'_> {
     /// of a law is exempt, since it may not matter, and so is its size: whether there is an effect at all is for the
     /// evidence to say, and one touch shows where an end stop is, not how hard.
     pub fn is_meaningful(&self, explanation: &Explanation, temperature: f64) -> bool {
+        let is_one_value = |role: ParameterRole| {
+            has_ends(role) && !matches!(role, ParameterRole::Shape | ParameterRole::Size)
+        };
         let unknown = || self.unknown(explanation, temperature);
         explanation.at_end.is_none() && !unknown().iter().any(|own| is_one_value(own.1))
     }
@@ -87,14 +90,13 @@ fn is_near(role: ParameterRole, (value, bound): (f64, f64), (low, high): (f64, f
     }
 }
 
-/// Whether the 95 % interval of a parameter of this value and standard deviation is as wide as its range, or holds all of it.
-pub fn spans(role: ParameterRole, (value, deviation): (f64, f64), (low, high): (f64, f64)) -> bool {
-    let reach = NORMAL_95 * deviation;
-    let range = match is_logarithmic(role, (low, high)) {
-        true => value * (high / low).ln(),
-        false => high - low,
-    };
-    2.0 * reach > range || value - reach <= low && value + reach >= high
+/// Whether the 95 % interval of a parameter of this value and standard deviation is as wide as its range.
+fn spans(role: ParameterRole, (value, deviation): (f64, f64), (low, high): (f64, f64)) -> bool {
+    let interval = 2.0 * NORMAL_95 * deviation;
+    match is_logarithmic(role, (low, high)) {
+        true => interval > value * (high / low).ln(),
+        false => interval > high - low,
+    }
 }
 
 /// Whether a parameter at this end of its range is a value without meaning. `contains` tells whether its effect
@@ -109,11 +111,6 @@ fn is_meaningless(parameter: &Parameter, bound: f64, contains: bool) -> bool {
     }
 }
 
-/// Whether a parameter must have one value.
-pub fn is_one_value(role: ParameterRole) -> bool {
-    has_ends(role) && !matches!(role, ParameterRole::Shape | ParameterRole::Size)
-}
-
 /// Whether the ends of a parameter's range are meaningless values.
 fn has_ends(role: ParameterRole) -> bool {
     use ParameterRole::{Ordinate, Phase, Range};
@@ -121,7 +118,7 @@ fn has_ends(role: ParameterRole) -> bool {
 }
 
 /// The unknowns that are parameters of added effects: index of the unknown, term and parameter.
-pub fn added<'a>(
+fn added<'a>(
     point: &'a Point,
     globals: &'a [Global],
 ) -> impl Iterator<Item = (usize, usize, usize)> + use<'a> {

@@ -87,13 +87,6 @@ impl Pool {
         }
     }
 
-    /// Marks a structure as one with a parameter that must have one value, and may have any.
-    pub fn refuse(&mut self, own: &Explanation) {
-        for entry in &mut self.all {
-            entry.own.is_meaningless |= entry.own.is_like(own);
-        }
-    }
-
     /// Whether a structure was fitted again from the optimum of all rows.
     pub fn is_fitted_to_all(&self, own: &Explanation) -> bool {
         let mut all = self.all.iter().filter(|entry| entry.from_all);

@@ -146,7 +146,7 @@ fn investigate(
     }
     pool.is_unfinished |= cut;
     let search = search(&problem, &projector, &judge, told);
-    let (found, scatter) = search.determined(pool, options);
+    let found = search.found(pool);
     options.stop.check()?;
     remarks.extend(of_outputs(&problem, &found));
     remarks.extend(search.elsewhere(&found));
@@ -155,7 +155,7 @@ fn investigate(
         mut diagnosis,
         scale,
         better,
-    } = conclude(&search, (&found, &scatter), &located, told);
+    } = conclude(&search, &found, &located, told, options);
     if let Some(untold) = untold {
         untold.said(&mut diagnosis);
     }
