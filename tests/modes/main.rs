@@ -101,15 +101,6 @@ fn a_mode_that_follows_the_pose_is_shaped_for_along_the_way() {
     }
 }
 
-/// The belief suits the start of a first move, and its train leaves a third where the move ends.
-#[test]
-fn a_first_move_is_retuned_for_a_mode_that_follows_the_pose() {
-    let programme = arm(&[posed()], 8.0, &TARGETS[..1]);
-    let [fixed, learned] = [Policy::Fixed, Policy::Learned].map(|policy| programme.run(policy));
-    let (fixed, learned) = (fixed[0].residual, learned[0].residual);
-    assert!(learned <= 0.5 * fixed, "{learned} of {fixed}");
-}
-
 /// Ten moves in half of the range, then one into the other half.
 #[test]
 fn a_pose_never_visited_is_shaped_for_what_the_map_predicts() {

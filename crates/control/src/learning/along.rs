@@ -1,4 +1,4 @@
-//! Several modes, or one that follows the pose, during a move: their fit to the samples so far, and the train to go on with.
+//! Several modes during a move: their fit to the samples so far, and the train to go on with.
 
 use super::forecast::{Expected, Forecast};
 use super::listening::{Explanation, FEWEST, in_order};
@@ -13,9 +13,9 @@ impl Learner {
     /// The train to go on with in a move whose train was not solved for it, from its samples so far; nothing is
     /// stored.
     ///
-    /// `None` where the samples show one mode that stays the same along the way: it is handled at the tick. Also
-    /// `None` if the modes leave more unexplained than the train in force leaves of them: another train would
-    /// remove less than the unexplained part.
+    /// `None` where the samples show fewer than two modes: one mode is handled at the tick. Also `None` if the
+    /// modes leave more unexplained than the train in force leaves of them: another train would remove less
+    /// than the unexplained part.
     pub fn along(
         &self,
         heard: &[Sample],
@@ -32,8 +32,7 @@ impl Learner {
         let Explanation { fit, .. } = self.explain(&samples, way, &places)?;
         let expected: Vec<Expected> = fit.modes.iter().map(Expected::from).collect();
         let modes = self.modes_on_way(plan, way, &expected);
-        let hold = self.hold(&modes);
-        if !matches!(hold, Some(Hold::SeveralModes | Hold::Pose)) {
+        if self.hold(&modes) != Some(Hold::SeveralModes) {
             return None;
         }
         let on_way = expected.iter().zip(&modes);
@@ -54,8 +53,7 @@ impl Learner {
             known: ModeOnWay::strongest(&modes).map(|mode| mode.known),
             modes,
             expected: Some(expected),
-            // One mode may be still corrected for at the tick, where the samples show no change there.
-            hold: hold.filter(|hold| *hold == Hold::SeveralModes),
+            hold: Some(Hold::SeveralModes),
         })
     }
 }
