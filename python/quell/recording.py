@@ -147,8 +147,7 @@ class Recording:
         Raises
         ------
         RecordingError
-            Where a role or unit is not known, a unit is of no channel, or a sample or stamp is bad; it names
-            the sample.
+            Where a role or unit is not known, or a sample or stamp is bad; it names the sample.
 
         Examples
         --------
@@ -159,9 +158,6 @@ class Recording:
         Recording('recording': motor_position (rad) 1000 samples at 250 Hz)
         """
         given: list[tuple[str, str, NDArray[np.float64], list[NDArray[np.float64]]]] = []
-        for role in units or {}:
-            if role not in channels:
-                raise RecordingError(f'units: "{role}" is no channel; there are: {", ".join(channels)}')
         for role, values in channels.items():
             channel = values if isinstance(values, Channel) else None
             array = np.asarray(channel.values if channel else values, dtype=np.float64)

@@ -124,12 +124,6 @@ def test_missing_samples_are_left_out_or_refused() -> None:
         quell.Recording.from_arrays({"motor_position": channel})
 
 
-def test_a_unit_of_no_channel_is_refused() -> None:
-    units = {"motor_position": "rad", "motor_positon": "deg"}
-    with pytest.raises(quell.RecordingError, match='"motor_positon" is no channel; there are: motor_position'):
-        quell.Recording.from_arrays({"motor_position": Q}, time=T, units=units)
-
-
 def test_a_csv_file_and_its_errors_are_those_of_the_command_line(tmp_path: Path) -> None:
     file = tmp_path / "decay.csv"
     file.write_text("t [ms];accel_x [g]\n0,0;0,11\n0,5;-0,02\n1,0;0,07\n")
