@@ -74,12 +74,7 @@ impl Pendulum {
             let slope = |k: usize| (first[k] + 2.0 * (second[k] + third[k]) + fourth[k]) / 6.0;
             ahead(state, [slope(0), slope(1)], h)
         };
-        let end = (0..parts as usize).fold([phi, p], step);
-        // A load that whirls faster than any step resolves is no pendulum: it stays where it was.
-        match end.iter().all(|own| own.is_finite()) {
-            true => end,
-            false => [phi, p],
-        }
+        (0..parts as usize).fold([phi, p], step)
     }
 }
 
@@ -97,10 +92,15 @@ impl Force for Pendulum {
         let [rate, back] = self.rate_and_return(p, v, [sin, cos]);
         let squared = self.angle * self.angle;
         let inertia = self.mass_ratio * motion.inertia;
-        [
+        let load = [
             -inertia * (back * cos + squared * rate * rate * sin),
             inertia * squared * sin * sin,
-        ]
+        ];
+        // A load that whirls faster than any step resolves is no pendulum.
+        match load.iter().all(|own| own.is_finite()) {
+            true => load,
+            false => [0.0; 2],
+        }
     }
 
     /// Deflection, momentum and the link's speed in [`Memory::states`]. The load hangs straight before the motion.
