@@ -18,18 +18,13 @@ pub struct Course {
     /// The time from one to the next, s.
     pub span: f64,
     /// By the fit, the square of the amplitude at the start.
-    start: f64,
+    pub start: f64,
 }
 
 impl Course {
     /// Number of values.
     pub fn count(&self) -> usize {
         2 * self.falls.len()
-    }
-
-    /// By the fit, the square of the amplitude at the start.
-    pub fn start(&self) -> f64 {
-        self.start
     }
 
     /// The law at the start of each half period, over its start.

@@ -5,7 +5,7 @@ use super::least_squares::independent;
 
 /// Number of unknowns of a model: of its modes, and amplitudes and offset of each axis of each decay.
 pub fn unknowns(model: &Fit, axes: usize) -> f64 {
-    let of = |mode: &Damped| 2 + 2 * usize::from(mode.bend.is_some()) + 2 * axes;
+    let of = |mode: &Damped| mode.unknowns() + 2 * axes;
     model.modes.iter().map(of).sum::<usize>() as f64
 }
 

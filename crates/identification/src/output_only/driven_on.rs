@@ -16,6 +16,7 @@
 
 use super::course::{Course, courses};
 use super::damped::{Damped, Fit, Segment};
+use super::level::ABOUT;
 use crate::evidence::STRONG;
 use std::f64::consts::TAU;
 
@@ -26,9 +27,6 @@ const BY_CHANCE: f64 = 1e-3;
 const DRIVEN: std::ops::RangeInclusive<i32> = -24..=8;
 /// Variances of the sensor's noise that are tried, over that without any `q`, which is the greatest: powers of 4.
 const NOISE: std::ops::RangeInclusive<i32> = -12..=0;
-/// Lines of the spectrum within which modes of a fit are at the same one: beyond them a line has less than a sixtieth of its
-/// energy.
-const ABOUT: f64 = 2.5;
 
 /// Whether a mode of a fit is let go at the start of its decays, in a recording of some duration, s.
 pub fn is_let_go(fit: &Fit, segments: &[Segment], own: &Damped, duration: f64) -> bool {
@@ -44,13 +42,14 @@ pub fn is_let_go(fit: &Fit, segments: &[Segment], own: &Damped, duration: f64) -
     };
     let beside: Vec<&Damped> = fit.modes.iter().filter(|other| is_beside(other)).collect();
     let count = alone.iter().map(Course::count).sum::<usize>() as f64;
-    let bends = |mode: &Damped| 2.0 * f64::from(u8::from(mode.bend.is_some()));
-    let paid: f64 = beside.iter().map(|mode| 4.0 + bends(mode)).sum();
-    let start = alone.iter().map(Course::start).fold(0.0, f64::max);
+    // With the two of its amplitude.
+    let unknowns = |mode: &Damped| (mode.unknowns() + 2) as f64;
+    let paid: f64 = beside.iter().map(|mode| unknowns(mode)).sum();
+    let start = alone.iter().map(|course| course.start).fold(0.0, f64::max);
     let explains = explains(own, &alone, start, duration);
     let [let_go, kept_up] = likelihoods(&alone, start, explains);
     let kept_up = kept_up.max(likelihoods(&with, start, explains)[1]);
-    let free = 1.0 - (4.0 + bends(own)) / count;
+    let free = 1.0 - unknowns(own) / count;
     (let_go - kept_up) * free - paid * count.ln() > STRONG
 }
 

@@ -10,8 +10,8 @@ use super::damped::{Damped, Segment};
 use nalgebra::DVector;
 use std::f64::consts::TAU;
 
-/// Lines of the spectrum on either side of a mode that are about it: beyond them a line has less than a sixtieth of its energy.
-const ABOUT: f64 = 2.5;
+/// Lines of the spectrum on either side of a mode that are about it, and within which two modes are at the same one: beyond them a line has less than a sixtieth of its energy.
+pub const ABOUT: f64 = 2.5;
 
 /// The variance that white noise as loud as a residual about a mode would have, beside these modes of its fit.
 pub fn level(segments: &[Segment], modes: &[Damped], left: &DVector<f64>, own: &Damped) -> f64 {
@@ -21,8 +21,8 @@ pub fn level(segments: &[Segment], modes: &[Damped], left: &DVector<f64>, own: &
         let line = |mode: &Damped| mode.frequency * segment.period * rows as f64 / TAU;
         let is_about = |other: &f64| (other - line(own)).abs() <= ABOUT;
         let beside: Vec<&Damped> = modes.iter().filter(|mode| is_about(&line(mode))).collect();
-        let each = |mode: &&Damped| 2.0 + 2.0 * f64::from(u8::from(mode.bend.is_some()));
-        shared = shared.max(beside.iter().map(each).sum());
+        let unknowns: usize = beside.iter().map(|mode| mode.unknowns()).sum();
+        shared = shared.max(unknowns as f64);
         free -= (2 * beside.len() * axes) as f64;
         for axis in left.as_slice()[from..from + rows * axes].chunks_exact(rows) {
             // The offset takes the first line.

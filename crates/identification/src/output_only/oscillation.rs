@@ -51,6 +51,11 @@ impl Law {
 }
 
 impl Damped {
+    /// Number of its unknowns besides its amplitudes.
+    pub fn unknowns(&self) -> usize {
+        2 + 2 * usize::from(self.bend.is_some())
+    }
+
     /// Amplitude and phase, rad, at a time, s.
     fn at(&self, time: f64) -> [f64; 2] {
         let (phase, decay) = (self.frequency * time, self.rate * time);

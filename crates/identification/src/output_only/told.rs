@@ -92,7 +92,7 @@ fn covariance(best: &Fit, segments: &[Segment], least: f64) -> Option<DMatrix<f6
     let inverse = best.minimum.inverse.as_ref()?;
     let of = |mode: &Damped| {
         let loud = level(segments, &best.modes, &best.minimum.residual, mode);
-        vec![loud.max(least).sqrt(); unknowns(mode)]
+        vec![loud.max(least).sqrt(); mode.unknowns()]
     };
     let noise: Vec<f64> = best.modes.iter().flat_map(of).collect();
     let count = noise.len();
@@ -125,12 +125,7 @@ fn natural(mode: &Damped) -> f64 {
 
 /// The place of a mode among the unknowns.
 fn place(modes: &[Damped], k: usize) -> usize {
-    modes[..k].iter().map(unknowns).sum()
-}
-
-/// The number of unknowns of a mode besides its amplitudes.
-fn unknowns(mode: &Damped) -> usize {
-    2 + 2 * usize::from(mode.bend.is_some())
+    modes[..k].iter().map(Damped::unknowns).sum()
 }
 
 /// The modes of a fit with what the data say of each.
