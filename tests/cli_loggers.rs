@@ -187,6 +187,67 @@ fn modes_are_told_along_the_axes_that_the_file_names() {
     );
 }
 
+/// Rates and angles about the axes of an accelerometer are of one body: three joints `x`, `y` and `z` they are not.
+#[test]
+fn axes_of_an_accelerometer_are_known_by_the_names_of_programs_or_by_gravity() {
+    let of = |t: f64, unit: f64| {
+        let [x, y, z] = [5.0 * decay(42.0, t), decay(31.0, t), 9.80665].map(|a| a / unit);
+        format!("{x:.5},{y:.5},{z:.5}")
+    };
+    let g = 9.80665;
+    for (header, unit, words) in [
+        ("time,gFx,gFy,gFz,wx,wy,wz", g, "unit = \"g\"\n"),
+        (
+            "time,AcX,AcY,AcZ,GyX,GyY,GyZ",
+            g / 16384.0,
+            "unit = \"raw\"",
+        ),
+        (
+            "\"Time\",\"X (100g)\",\"Y (100g)\",\"Z (100g)\"",
+            g,
+            "unit = \"g\"\n",
+        ),
+        ("time_s,x_ms2,y_ms2,z_ms2", 1.0, "unit = \"m/s^2\"\n"),
+        (
+            "time_s,linear_acceleration.x,linear_acceleration.y,linear_acceleration.z,\
+             angular_velocity.x,angular_velocity.y,angular_velocity.z",
+            1.0,
+            "its mean is the gravity",
+        ),
+        (
+            "time_s,ax(g),ay(g),az(g),wx(deg/s),wy(deg/s),wz(deg/s),AngleX(deg),AngleY(deg),AngleZ(deg)",
+            g,
+            "unit = \"g\"\n",
+        ),
+        (
+            "time_s,one,two,three",
+            1.0,
+            "role = \"tip_acceleration\"  # guessed: its mean",
+        ),
+    ] {
+        let others = header.split(',').count() - 4;
+        let row = |t: f64| format!("{t:.4},{}{}", of(t, unit), ",0.25".repeat(others));
+        let folder = file("log.csv", header, row);
+        let manifest = proposed(&folder, "log.csv");
+        has(&manifest, &["role = \"tip_acceleration\"", words]);
+        let blocks = manifest.matches("[[channel]]").count();
+        assert!(blocks == 1 && !manifest.contains("joint ="), "{manifest}");
+        has(
+            &quell(&folder, &["identify", "log.csv"]).0,
+            &["Hz along x, 31", "Hz along y."],
+        );
+    }
+    // Copied from the serial monitor of Arduino, with its stamps.
+    let line = |t: f64| format!("10:00:{t:06.3} -> {}", of(t, 1.0));
+    for header in ["", "10:00:00.000 -> ax,ay,az"] {
+        let folder = file("serial.txt", header, line);
+        has(
+            &quell(&folder, &["identify", "serial.txt"]).0,
+            &["Hz along x, 31", "Hz along y."],
+        );
+    }
+}
+
 #[test]
 fn counts_of_encoders_and_the_q_beside_a_theta_are_known() {
     let row = |t: f64| {

@@ -55,7 +55,11 @@ impl Channels {
         };
         let one = |found: &Channel| {
             let own = stem(found.columns[0])?;
-            let is_like = |other: &&usize| stem(**other).is_some_and(|other| other == own);
+            let is_like = |other: &&usize| {
+                let column = &content.columns[**other];
+                let is_read = column.is_numeric() || column.is_mostly_numeric();
+                is_read && stem(**other).is_some_and(|other| other == own)
+            };
             let others: Vec<&str> = self
                 .unused
                 .iter()

@@ -66,6 +66,7 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
     }
     if channels.found.is_empty() {
         channels.only_one(content);
+        channels.only_three(content);
     }
     for channel in &mut channels.found {
         // A manifest has the axes in the order of x, y and z.
@@ -168,15 +169,37 @@ impl Channels {
 
     /// A single column of numbers without a known name is taken for the vibration.
     fn only_one(&mut self, content: &Content) {
-        let numeric = |index: &&usize| {
-            let column = &content.columns[**index];
-            (column.is_numeric() || column.is_mostly_numeric()) && !column.name.is_count()
-        };
-        let mut rest = self.unused.iter().filter(numeric);
-        if let (Some(&index), None) = (rest.next(), rest.next()) {
+        if let [index] = *self.measured(content) {
             self.unused.retain(|unused| *unused != index);
             self.take(content, (index, &None), (Role::Deformation, false));
         }
+    }
+
+    /// Three columns without known names whose mean is the gravity of the earth are taken for the axes of an accelerometer.
+    fn only_three(&mut self, content: &Content) {
+        let axes = self.measured(content);
+        if axes.len() != 3 || usual_unit::of_gravity(content, &axes).is_none() {
+            return;
+        }
+        self.unused.retain(|unused| !axes.contains(unused));
+        self.found.push(Channel {
+            role: Guess::guessed(Role::TipAcceleration, usual_unit::GRAVITY),
+            joint: None,
+            columns: axes,
+            unit: Guess::known(String::new()),
+            per_revolution: None,
+            wrap: None,
+        });
+    }
+
+    /// The columns of numbers that have no use and are neither counters nor times.
+    fn measured(&self, content: &Content) -> Vec<usize> {
+        let is_one = |index: &usize| {
+            let column = &content.columns[*index];
+            let is_read = column.is_numeric() || column.is_mostly_numeric();
+            is_read && !column.name.is_count() && !column.name.is_time()
+        };
+        self.unused.iter().copied().filter(is_one).collect()
     }
 
     /// Handles guesses that matter. A tip sensor has three axes; with fewer it is a deflection.

@@ -3,7 +3,7 @@
 use super::super::role::Role;
 use super::super::unit::Dimension;
 use super::content::Content;
-use super::{drives, robots, siemens, tool, units};
+use super::{drives, inertial, robots, siemens, tool, units};
 
 /// The role of a column, and whether it is certain.
 pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
@@ -19,14 +19,19 @@ pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
     if let Some(found) = of_drive {
         return Some(found);
     }
-    let own = by_name(content, index);
+    if inertial::axis(name).is_some() {
+        return Some((Role::TipAcceleration, true));
+    }
+    let own = by_name(content, index)
+        .filter(|own| own.1 || !inertial::is_of_accelerometer(content, index));
     tool::place(content, index).map_or(own, |place| tool::role(place, own))
 }
 
 /// The axis of a column: 0, 1 or 2.
 pub fn axis(content: &Content, index: usize) -> Option<usize> {
     let name = &content.columns[index].name;
-    name.axis().or_else(|| tool::place(content, index))
+    let called = name.axis().or_else(|| Some(inertial::axis(name)?.0));
+    called.or_else(|| tool::place(content, index))
 }
 
 fn by_name(content: &Content, index: usize) -> Option<(Role, bool)> {

@@ -30,6 +30,10 @@ const SPELLED: &[(&str, &str)] = &[
     ("radians", "rad"),
     ("meter", "m"),
     ("metre", "m"),
+    ("ms2", "m/s^2"),
+    ("ms-2", "m/s^2"),
+    ("ms^-2", "m/s^2"),
+    ("m s^-2", "m/s^2"),
 ];
 
 /// Units that are such only in brackets or in a row of units: in a name `1_min` may count.
@@ -98,6 +102,8 @@ pub fn in_brackets(text: &str) -> &str {
     match (known, per_revolution(text)) {
         (Some((_, name)), _) => name,
         (_, Some(_)) => "rev",
+        // The range of an accelerometer of enDAQ stands before its unit: `X (100g)`.
+        _ if text.trim_start_matches(|own: char| own.is_ascii_digit()) == "g" => "g",
         _ => text,
     }
 }
@@ -127,6 +133,7 @@ mod tests {
             ("131072 inc/U", "rev"),
             ("mm", "mm"),
             ("1/rev", "1/rev"),
+            ("100g", "g"),
             ("kg/rev", "kg/rev"),
         ] {
             assert_eq!(in_brackets(text), name, "{text}");

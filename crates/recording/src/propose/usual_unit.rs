@@ -5,6 +5,7 @@ use super::super::unit::Dimension;
 use super::Guess;
 use super::content::Content;
 use super::drives;
+use super::inertial;
 use super::robots;
 
 /// Standard acceleration of free fall, m/s^2.
@@ -13,6 +14,9 @@ const G_N: f64 = 9.80665;
 /// Largest relative difference of an accelerometer's mean at rest from that: its offset, and the tilt of the
 /// other axes.
 const OFFSET: f64 = 0.05;
+
+/// Why a channel is one of an accelerometer, or in this unit.
+pub const GRAVITY: &str = "its mean is the gravity of the earth";
 
 /// The unit of a channel whose names do not contain it.
 pub fn of(content: &Content, role: Role, columns: &[usize]) -> Guess<String> {
@@ -29,6 +33,9 @@ pub fn of(content: &Content, role: Role, columns: &[usize]) -> Guess<String> {
             return Guess::guessed(unit.into(), "by the name of the maker's signal");
         }
         _ => {}
+    }
+    if let Some((_, Some(unit))) = inertial::axis(&content.columns[columns[0]].name) {
+        return Guess::known(unit.into());
     }
     if role != Role::TipAcceleration {
         let usual = role.entry().dimensions[0];
@@ -51,6 +58,14 @@ pub fn of(content: &Content, role: Role, columns: &[usize]) -> Guess<String> {
     if content.is_klipper() {
         return Guess::known("mm/s^2".into());
     }
+    if let Some(unit) = of_gravity(content, columns) {
+        return Guess::guessed(unit.into(), GRAVITY);
+    }
+    Guess::guessed("raw".into(), no_unit + "; a frequency does not need one")
+}
+
+/// The unit in which the mean of these columns is the gravity of the earth.
+pub fn of_gravity(content: &Content, columns: &[usize]) -> Option<&'static str> {
     let mean = |index: &usize| {
         let there = content.columns[*index]
             .numbers
@@ -64,17 +79,14 @@ pub fn of(content: &Content, role: Role, columns: &[usize]) -> Guess<String> {
         .map(|mean| mean * mean)
         .sum::<f64>()
         .sqrt();
-    for (unit, gravity) in [
+    let units = [
         ("m/s^2", G_N),
         ("g", 1.0),
         ("mm/s^2", 1e3 * G_N),
         ("mg", 1e3),
-    ] {
-        if (pull / gravity - 1.0).abs() < OFFSET {
-            return Guess::guessed(unit.into(), "its mean is the gravity of the earth");
-        }
-    }
-    Guess::guessed("raw".into(), no_unit + "; a frequency does not need one")
+    ];
+    let fits = |own: &&(&str, f64)| (pull / own.1 - 1.0).abs() < OFFSET;
+    units.iter().find(fits).map(|own| own.0)
 }
 
 /// What to write for a share of a nominal value.

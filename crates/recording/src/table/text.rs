@@ -63,7 +63,37 @@ pub fn text(path: &Path) -> Result<String, RecordingError> {
     if let Some(marked) = text.strip_prefix('\u{feff}') {
         text.drain(..text.len() - marked.len());
     }
-    Ok(text)
+    Ok(match is_of_serial_monitor(&text) {
+        true => without_arrows(&text),
+        false => text,
+    })
+}
+
+/// What stands between the time of day and what was printed, in a text from the serial monitor of Arduino.
+const ARROW: &str = " -> ";
+
+/// Whether each line is what the serial monitor of Arduino shows with its time stamps: `10:00:00.000 -> 0.31,9.81`.
+fn is_of_serial_monitor(text: &str) -> bool {
+    let is_stamp = |stamp: &str| {
+        let parts: Vec<&str> = stamp.split([':', '.']).collect();
+        let is_number = |part: &&str| part.bytes().all(|byte| byte.is_ascii_digit());
+        parts.len() == 4 && parts.iter().all(is_number)
+    };
+    let is_one = |line: &str| line.split_once(ARROW).is_some_and(|own| is_stamp(own.0));
+    let mut lines = text
+        .lines()
+        .filter(|line| !line.trim().is_empty())
+        .peekable();
+    lines.peek().is_some() && lines.all(is_one)
+}
+
+/// The same with the separator of what was printed in the place of each arrow.
+fn without_arrows(text: &str) -> String {
+    let marks = ['\t', ';', ',', ' '];
+    let first = text.lines().find_map(|line| line.split_once(ARROW));
+    let has = |mark: &char| first.is_some_and(|own| own.1.trim().contains(*mark));
+    let mark = marks.into_iter().find(has).unwrap_or(',');
+    text.replace(ARROW, &mark.to_string())
 }
 
 /// The text of bytes in UTF-16, by its byte order mark, without it; the inner `None` where they are no text.

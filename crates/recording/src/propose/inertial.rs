@@ -1,0 +1,66 @@
+//! Columns of inertial sensors: what programs call the axes of an accelerometer, and the rates and angles beside them.
+
+use super::super::role::Role;
+use super::super::unit::Dimension;
+use super::content::Content;
+use super::name::Name;
+use super::units;
+
+/// Names of the axes of an accelerometer that have no word for it, with the unit where it is fixed.
+///
+/// Sources: the CSV files of Physics Toolbox Sensor Suite, `time,gFx,gFy,gFz,TgF`; the example of Arduino's library for the
+/// MPU-6050, which prints counts.
+const ACCELEROMETERS: &[([[&str; 2]; 3], Option<&str>)] = &[
+    ([["g", "fx"], ["g", "fy"], ["g", "fz"]], Some("g")),
+    ([["ac", "x"], ["ac", "y"], ["ac", "z"]], None),
+];
+
+/// Words for the axes about which a body turns.
+const TURNS: [[&str; 3]; 3] = [
+    ["x", "wx", "roll"],
+    ["y", "wy", "pitch"],
+    ["z", "wz", "yaw"],
+];
+
+/// Words for a rate of turn.
+const RATES: [&str; 4] = ["angular", "gyro", "gyr", "gyroscope"];
+
+/// The axis of a column that a program calls by a fixed name, 0, 1 or 2, and its unit where that is fixed.
+pub fn axis(name: &Name) -> Option<(usize, Option<&'static str>)> {
+    let mut tables = ACCELEROMETERS.iter();
+    tables.find_map(|(names, unit)| {
+        let axis = names.iter().position(|words| name.words == words)?;
+        Some((axis, *unit))
+    })
+}
+
+/// Whether a column has a rate or an angle about an axis of an accelerometer that stands in the same file with several axes:
+/// they are of one body, and of no joint.
+pub fn is_of_accelerometer(content: &Content, index: usize) -> bool {
+    let name = &content.columns[index].name;
+    let last = name.words.last().map_or("", |word| word.as_str());
+    let dimension = dimension(name);
+    let turns = name.words.iter().any(|word| RATES.contains(&&**word))
+        || [Dimension::Angle, Dimension::AngularVelocity]
+            .map(Some)
+            .contains(&dimension);
+    let accelerates = |other: &&Name| {
+        let is_named = matches!(other.role(), Some((Role::TipAcceleration, _)));
+        other.axis().is_some() && (is_named || dimension_is_acceleration(other))
+    };
+    let axes = content
+        .columns
+        .iter()
+        .map(|own| &own.name)
+        .filter(accelerates);
+    turns && TURNS.iter().flatten().any(|axis| *axis == last) && axes.count() > 1
+}
+
+fn dimension(name: &Name) -> Option<Dimension> {
+    let unit = name.unit.as_deref().and_then(units::unit);
+    unit.map(|unit| unit.dimension)
+}
+
+fn dimension_is_acceleration(name: &Name) -> bool {
+    dimension(name) == Some(Dimension::Acceleration)
+}
