@@ -209,6 +209,10 @@ fn a_heavy_payload_is_told_with_its_lever() {
     let number = |at: &str| payload.pointer(at).and_then(Value::as_f64).unwrap();
     assert!((number("/mass_kg") - 1.5).abs() < 0.05, "{payload}");
     assert!((number("/centre_m/0") - 0.8).abs() < 0.02, "{payload}");
+    let (lever, std) = (number("/lever_m"), number("/lever_std_m"));
+    assert!(0.0 < std && std < 0.02, "{payload}");
+    // A false alarm in 16000.
+    assert!((lever - 0.8).abs() < 4.0 * std, "{payload}");
     assert_eq!(recording["couplings"], serde_json::json!([]), "{recording}");
 }
 

@@ -28,6 +28,8 @@ pub struct Payload {
     pub centre: Point3<f64>,
     /// How far it is from the joint's axis, m.
     pub lever: f64,
+    /// One standard deviation of that, m, by the same jackknife.
+    pub lever_std: f64,
 }
 
 impl Payload {
@@ -66,31 +68,41 @@ pub fn payload(robot: &Robot) -> Option<Payload> {
     let cost = |at: &DVector<f64>| cost(&rows, &carrying(robot, joint, at));
     let first = step(&DVector::zeros(4)).filter(Step::is_no_chance)?;
     let start = first.parameters.component_mul(&scale);
-    let (at, mass_std) = corrected(start, first.mass_std, &scale, step, cost);
+    let (at, spread) = corrected(start, first.covariance, &scale, step, cost);
+    let spread = spread.component_mul(&(&scale * scale.transpose()));
     let body = point(joint, &at)?;
     let axis = robot.dynamics.joints()[joint].axis;
     let centre = body.centre.coords;
+    let across = centre - axis.into_inner() * axis.dot(&centre);
+    let lever = across.norm();
+    // The lever is the first moment across the axis over the mass.
+    let slope = match lever > 0.0 {
+        true => across / lever,
+        false => Vector3::zeros(),
+    };
+    let slope = DVector::from_vec(vec![-lever, slope.x, slope.y, slope.z]) / body.mass;
     Some(Payload {
         joint,
         mass: body.mass,
-        mass_std: mass_std * scale[0],
+        mass_std: spread[(0, 0)].max(0.0).sqrt(),
         centre: body.centre,
-        lever: (centre - axis.into_inner() * axis.dot(&centre)).norm(),
+        lever,
+        lever_std: slope.dot(&(&spread * &slope)).max(0.0).sqrt(),
     })
 }
 
-/// The parameters from which no step goes further down, and the deviation of the mass there in units of its scale.
+/// The parameters from which no step goes further down, and their covariance there in units of the scale.
 fn corrected(
     mut at: DVector<f64>,
-    mut mass_std: f64,
+    mut covariance: DMatrix<f64>,
     scale: &DVector<f64>,
     step: impl Fn(&DVector<f64>) -> Option<Step>,
     cost: impl Fn(&DVector<f64>) -> f64,
-) -> (DVector<f64>, f64) {
+) -> (DVector<f64>, DMatrix<f64>) {
     let mut now = cost(&at);
     for _ in 0..CORRECTIONS {
         let Some(next) = step(&at) else { break };
-        mass_std = next.mass_std;
+        covariance = next.covariance;
         let by = next.parameters.component_mul(scale);
         let shorter = (0..HALVINGS).map(|k| &at + &by * 0.5_f64.powi(k as i32));
         let better = shorter
@@ -103,7 +115,7 @@ fn corrected(
             break;
         }
     }
-    (at, mass_std)
+    (at, covariance)
 }
 
 /// The description with the point of these parameters.
@@ -152,7 +164,7 @@ struct Sums {
 /// A solution, in units of what is believed.
 struct Step {
     parameters: DVector<f64>,
-    mass_std: f64,
+    covariance: DMatrix<f64>,
     /// Hotelling's statistic as a value of F, and how many parameters it is of.
     value: f64,
     rank: usize,
@@ -223,10 +235,9 @@ impl Sums {
         let rank = whole.len();
         let statistic = whole.dot(&covariance.clone().cholesky()?.solve(&whole));
         let degrees = (count - rank as f64) / (rank as f64 * (count - 1.0));
-        let spread = &known * covariance * known.transpose();
         Some(Step {
             parameters: &known * whole,
-            mass_std: spread[(0, 0)].max(0.0).sqrt(),
+            covariance: &known * covariance * known.transpose(),
             value: statistic * degrees,
             rank,
         })

@@ -104,6 +104,8 @@ impl<'a> Overview<'a> {
                     "behind": names[payload.joint].name,
                     "mass_kg": payload.mass,
                     "mass_std_kg": payload.mass_std,
+                    "lever_m": payload.lever,
+                    "lever_std_m": payload.lever_std,
                     "centre_m": payload.centre.coords.as_slice(),
                 })
             });

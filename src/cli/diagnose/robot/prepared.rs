@@ -121,14 +121,15 @@ impl Prepared {
     }
 
     fn carries(&self, own: &Payload) -> String {
+        let [mass, lever] = [(own.mass.abs(), own.mass_std), (own.lever, own.lever_std)];
+        let [mass, lever] = [(mass, "kg"), (lever, "m")]
+            .map(|((value, std), unit)| format!("{} {unit} (± {})", rounded(value), rounded(std)));
+        let more = if own.mass < 0.0 { "less" } else { "more" };
         format!(
-            "The torques of \"{}\" contradict the description: the link behind {} carries {} kg ({} kg one standard \
-             deviation) more, {} m from that joint's axis. It was taken into account.",
+            "The torques of \"{}\" contradict the description: the link behind {} carries {mass} {more}, {lever} from that \
+             joint's axis. It was taken into account.",
             self.name,
             self.joint(own.joint),
-            rounded(own.mass),
-            rounded(own.mass_std),
-            rounded(own.lever)
         )
     }
 
