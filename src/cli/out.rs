@@ -114,7 +114,7 @@ impl Out {
         }
         if real(&file).is_some_and(|file| self.reads.contains(&file)) {
             let error = refuse("is read, and would be written over".into());
-            return Err(error.with_help("give another folder, --out DIR"));
+            return Err(error.with_help(self.elsewhere()));
         }
         if self.force {
             return Ok(());
@@ -124,7 +124,15 @@ impl Out {
             return Ok(());
         };
         let why = format!("is there already, and {stranger}: it is not written over");
-        Err(refuse(why).with_help("give another folder, --out DIR, or --force to replace it"))
+        Err(refuse(why).with_help(format!("{}, or --force to replace it", self.elsewhere())))
+    }
+
+    /// What helps where a file cannot be written. `inspect` writes beside what it reads.
+    fn elsewhere(&self) -> &'static str {
+        match self.verb {
+            "inspect" => "rename that file",
+            _ => "give another folder, --out DIR",
+        }
     }
 }
 

@@ -157,7 +157,8 @@ impl Alone {
         for remark in self.remarks() {
             text += &format!("- {remark}\n");
         }
-        if let Some(advice) = &self.advice {
+        // A printer's firmware takes none but its own shapers, which are judged below for a frequency that changes.
+        if let Some(advice) = self.advice.as_ref().filter(|_| self.printer.is_none()) {
             text += &format!(
                 "\nRecommended: {}\n\n{}",
                 self.recommended(advice),
