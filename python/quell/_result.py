@@ -5,6 +5,8 @@ from __future__ import annotations
 import copy
 import dataclasses
 import html
+import math
+import textwrap
 import types
 import typing
 from collections.abc import Mapping, Sequence
@@ -76,6 +78,17 @@ def bold(text: str) -> str:
 def paragraph(text: str) -> str:
     """A paragraph for a notebook."""
     return f"<p>{html.escape(text)}</p>"
+
+
+def figure(value: float, deviation: float) -> str:
+    """A number with its standard deviation, which may not be known."""
+    return f"{value:.6g}" if not math.isfinite(deviation) or deviation == 0.0 else f"{value:.6g} +- {deviation:.2g}"
+
+
+def in_lines(head: str, lines: Sequence[str], more: str) -> str:
+    """A result in a terminal: one thing a line, and what has more."""
+    folded = [textwrap.fill(line, 100, initial_indent="  ", subsequent_indent="    ") for line in (*lines, more)]
+    return "\n".join([head, *folded])
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

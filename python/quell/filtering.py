@@ -107,7 +107,11 @@ class AdaptiveFilter:
             if value * (1.0 if name == "rate" else rate) > MOST_TICKS:
                 raise ShaperError(f"{name}: {value} at {rate} Hz is more than {MOST_TICKS} ticks")
         ticks = [math.ceil(seconds * rate) for seconds in (longest_train, horizon)]
-        self._inner = _quell.AdaptiveFilter(float(rate), *ticks)
+        self._rate = float(rate)
+        self._inner = _quell.AdaptiveFilter(self._rate, *ticks)
+
+    def __repr__(self) -> str:
+        return f"AdaptiveFilter(rate={self._rate:g})"
 
     def step(self, position: float, velocity: float = 0.0, acceleration: float = 0.0) -> Setpoint:
         """

@@ -21,6 +21,9 @@ __all__ = [
     "Verdict",
 ]
 
+# Of those that a terminal shows: a learned law has an ordinate at each of its knots.
+MOST_PARAMETERS = 4
+
 Verdict = Literal["no_mismatch", "named", "ambiguous", "partly_explained", "unexplained", "not_excited"]
 
 
@@ -45,6 +48,10 @@ class FittedParameter:
     value: float
     unit: str
     ci95: tuple[float, ...]
+
+    def __str__(self) -> str:
+        low, high = self.ci95
+        return f"{self.name} {self.value:.4g} {self.unit} ({low:.4g} to {high:.4g})"
 
 
 @dataclass(frozen=True)
@@ -77,6 +84,15 @@ class Finding:
     evidence: str
     alternatives: tuple[str, ...]
     happened_in: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        fitted = [str(parameter) for parameter in self.parameters[:MOST_PARAMETERS]]
+        more = len(self.parameters) - len(fitted)
+        fitted += [f"{more} more"] if more else []
+        return f"{self.effect} at {self.place}: {', '.join(fitted)}; probability {self.probability:.3g}"
+
+    def __repr__(self) -> str:
+        return f"Finding({self})"
 
     def __getitem__(self, name: str) -> FittedParameter:
         for parameter in self.parameters:
@@ -156,6 +172,13 @@ class Fit:
     after: Quality
     model_alone: Quality | None = None
 
+    def __str__(self) -> str:
+        before, after = (f"{one.held_out_over_noise:.3g}" for one in (self.before, self.after))
+        return f"left on what was held out: {before} times the noise of {self.noise_std:.3g} {self.unit} before, {after} after"
+
+    def __repr__(self) -> str:
+        return f"Fit({self})"
+
 
 @dataclass(frozen=True)
 class ProposedMove:
@@ -207,6 +230,9 @@ class NextMove:
     separates: tuple[str, ...]
     expected_score: float
     moves: tuple[ProposedMove, ...]
+
+    def __repr__(self) -> str:
+        return f"NextMove({len(self.moves)} moves: {self.why})"
 
 
 @dataclass(frozen=True)
@@ -268,3 +294,6 @@ class Trace:
     before: NDArray[np.float64]
     after: NDArray[np.float64]
     noise_std: float
+
+    def __repr__(self) -> str:
+        return f"Trace({self.name}, {self.unit}: {len(self.time)} samples)"

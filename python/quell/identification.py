@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _quell
-from ._result import Reported, bold, build, frame, paragraph, table
+from ._result import Reported, bold, build, figure, frame, in_lines, paragraph, table
 from .model import Model
 from .modes import Mode
 from .recording import Recording
@@ -117,6 +117,16 @@ class Identification(Reported):
     firmware: str | None
     model: Model | None = field(repr=False)
 
+    def __repr__(self) -> str:
+        lines = [
+            f"{figure(one.frequency_hz, one.frequency_std_hz)} Hz, damping ratio {figure(one.damping_ratio, one.damping_std)}"
+            for one in self.modes
+        ]
+        if self.recommended:
+            lines.append(f"recommended shaper: {self.recommended.shaper}, which adds {self.recommended.delay_s:.3g} s")
+        lines += [f"remark: {remark}" for remark in self.remarks[:MOST_REMARKS]]
+        return in_lines(f"Identification({self.name!r}, {self.excitation})", lines, "text, plot(), to_pandas() and save_report(file) have more")
+
     def to_pandas(self) -> pandas.DataFrame:
         """
         Give the modes as a data frame.
@@ -158,6 +168,8 @@ class Identification(Reported):
         return axes
 
 
+# Of those that a terminal shows.
+MOST_REMARKS = 3
 COLUMNS = ["frequency_hz", "frequency_std_hz", "damping_ratio", "damping_std"]
 
 

@@ -171,8 +171,9 @@ class Model:
         return {"kind": self.kind, "values": self.values, "effects": effects}
 
     def __repr__(self) -> str:
+        values = "".join(f", {key}={value:.6g}" for key, value in self.values.items())
         effects = "".join(f" + {effect.name}" for effect in self.effects)
-        return f"Model({self.kind}{effects})"
+        return f"Model({self.kind}{values}{effects})"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Model) and self.to_toml() == other.to_toml()

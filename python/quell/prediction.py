@@ -115,6 +115,9 @@ class Output:
     recorded: NDArray[np.float64]
     predicted: NDArray[np.float64]
 
+    def __repr__(self) -> str:
+        return f"Output({self.role}, {self.unit}: {len(self.time)} samples)"
+
     def to_pandas(self) -> pandas.DataFrame:
         """
         Give the output as a data frame.
@@ -145,6 +148,9 @@ class Prediction:
 
     outputs: tuple[Output, ...]
     score: Score
+
+    def __repr__(self) -> str:
+        return f"Prediction({', '.join(one.role for one in self.outputs)}: {self.score.text})"
 
     def __getitem__(self, role: str) -> Output:
         for output in self.outputs:

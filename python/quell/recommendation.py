@@ -64,6 +64,11 @@ class Recommendation(Result):
     best: ShaperFigures
     candidates: tuple[ShaperFigures, ...]
 
+    def __repr__(self) -> str:
+        best = self.best
+        left = f"leaves at most {100.0 * best.residual_95:.2g} % for 95 % of the uncertainty"
+        return f"Recommendation({best.shaper}: adds {best.delay_s:.4g} s, {left}; {len(self.candidates)} candidates)"
+
     def to_pandas(self) -> pandas.DataFrame:
         """
         Give all shapers as a data frame.
@@ -95,7 +100,7 @@ def recommend(
 
     Parameters
     ----------
-    modes : Mode, (float, float) or sequence of these
+    modes : Mode, (float, float), sequence of these, or Identification
         The modes with their standard deviations.
     acceptable : float, default 0.05
         Residual vibration that is small enough, as a share of the unshaped.

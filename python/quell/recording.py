@@ -12,7 +12,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _quell, _variables
-from ._samples import TimeUnit, columns_of_role, plain, seconds, stamps_of, usual_unit, without_missing
+from ._samples import (
+    TimeUnit,
+    columns_of,
+    of_one_length,
+    plain,
+    samples_of,
+    seconds,
+    stamps_of,
+    usual_unit,
+    without_missing,
+)
 from ._result import bold, table
 from .errors import RecordingError
 
@@ -48,6 +58,9 @@ class Channel:
     time: ArrayLike
     unit: str
     role: str = ""
+
+    def __repr__(self) -> str:
+        return f"Channel({self.role or 'no role'}, {self.unit}: {np.size(self.time)} samples)"
 
     @property
     def array(self) -> NDArray[np.float64]:
@@ -129,7 +142,7 @@ class Recording:
         time_unit : {"s", "ms", "us", "ns"}, default "s"
             Unit of stamps that are numbers.
         rate : float, optional
-            Samples a second, Hz, instead of `time`; the first is at 0 s.
+            Samples a second, Hz, of arrays of one length, instead of `time`; the first is at 0 s.
         units : mapping of str to str, optional
             Units by role. A role of one dimension, such as `torque`, is in SI without.
         name : str, default "recording"
@@ -147,7 +160,7 @@ class Recording:
         Raises
         ------
         RecordingError
-            Where a role or unit is not known, or a sample or stamp is bad; it names the sample.
+            Where a role or unit is not known, or a sample or stamp is bad; it names channel and sample.
 
         Examples
         --------
@@ -157,15 +170,22 @@ class Recording:
         >>> quell.Recording.from_arrays({"motor_position": q}, time=t, units={"motor_position": "rad"})
         Recording('recording': motor_position (rad) 1000 samples at 250 Hz)
         """
+        own = {role: values for role, values in channels.items() if isinstance(values, Channel)}
+        arrays = {
+            role: samples_of(role, one.values if isinstance(one, Channel) else one) for role, one in channels.items()
+        }
+        if rate is not None:
+            of_one_length({role: array for role, array in arrays.items() if role not in own})
         given: list[tuple[str, str, NDArray[np.float64], list[NDArray[np.float64]]]] = []
-        for role, values in channels.items():
-            channel = values if isinstance(values, Channel) else None
-            array = np.asarray(channel.values if channel else values, dtype=np.float64)
-            stamps = seconds(channel.time) if channel else stamps_of(role, time, rate, len(array), time_unit)
-            unit = channel.unit if channel else (units or {}).get(role) or usual_unit(role)
+        for role, array in arrays.items():
+            if role in own:
+                stamps, unit = seconds(own[role].time, what=f"channel {role}: time"), own[role].unit
+            else:
+                stamps = stamps_of(role, time, rate, len(array), time_unit)
+                unit = (units or {}).get(role) or usual_unit(role)
             if missing == "drop":
                 array, stamps = without_missing(array, stamps)
-            given.append((role, unit, np.ascontiguousarray(stamps), columns_of_role(role, array)))
+            given.append((role, unit, np.ascontiguousarray(stamps), columns_of(array)))
         return cls(_quell.Recording(name, payload, given))
 
     @classmethod

@@ -49,6 +49,10 @@ class SimulatedMove:
     time: NDArray[np.float64]
     tip_deformation: NDArray[np.float64]
 
+    def __repr__(self) -> str:
+        peak = 1e3 * float(np.abs(self.tip_deformation).max())
+        return f"SimulatedMove({float(self.time[-1]):.4g} s, largest deformation at the tip {peak:.4g} mm, {self.recording!r})"
+
     def to_dict(self) -> dict[str, Any]:
         """
         Give the true modes and deformation as plain numbers and lists.

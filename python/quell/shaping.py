@@ -41,7 +41,7 @@ class Shaper:
     ----------
     name : str
         One of `quell.shapers()`.
-    modes : Mode, (float, float) or sequence of these
+    modes : Mode, (float, float), sequence of these, or Identification
         The modes: frequency, Hz, and damping ratio. `optimal` is solved for how well they are known.
     rate : float
         Rate of the controller, Hz.
@@ -244,7 +244,7 @@ def shape(
     ----------
     command : array_like
         Positions, shape (n,), or (n, axes); it starts at rest.
-    modes : Mode, (float, float) or sequence of these
+    modes : Mode, (float, float), sequence of these, or Identification
         The modes: frequency, Hz, and damping ratio.
     rate : float
         Samples a second, Hz.

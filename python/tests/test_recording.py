@@ -120,6 +120,9 @@ def test_missing_samples_are_left_out_or_refused() -> None:
     channel = quell.Channel(values, T, "rad")
     dropped = quell.Recording.from_arrays({"motor_position": channel}, missing="drop")
     assert len(dropped["motor_position"].stamps) == 98
+    # Columns that have a missing value of their own, beside NaN.
+    nullable = pd.DataFrame({"t": T, "motor_position_rad": pd.Series(values).astype("Float64")})
+    assert len(quell.Recording.from_pandas(nullable)["motor_position"].stamps) == 98
     with pytest.raises(quell.RecordingError, match="motor_position: sample 3 is NaN"):
         quell.Recording.from_arrays({"motor_position": channel})
 
@@ -151,6 +154,14 @@ def test_a_csv_file_and_its_errors_are_those_of_the_command_line(tmp_path: Path)
         ("it has 2 columns", {"channels": {"torque": np.stack([Q, Q], axis=1)}, "time": T}),
         (r"shape \(2, 2, 2\)", {"channels": {"torque": np.zeros((2, 2, 2))}, "rate": 1}),
         ("no samples", {"channels": {"torque": []}, "rate": 1}),
+        (r"shape \(\); it is \(n,\)", {"channels": {"torque": 1.0}, "rate": 1}),
+        ("torque has 100, motor_current has 99", {"channels": {"torque": Q, "motor_current": Q[1:]}, "rate": 250}),
+        ("torque: sample 1 is 'abc'", {"channels": {"torque": [0.0, "abc"]}, "rate": 1}),
+        ("torque: sample 1 is 'abc'", {"channels": {"torque": np.array([0.0, "abc"], dtype=object)}, "rate": 1}),
+        ("tip_position: sample 0 of column 2 is", {"channels": {"tip_position": [[0.0, 1.0, {}]]}, "rate": 1}),
+        ("torque: time: sample 1 is 'noon'", {"channels": {"torque": [0.0, 1.0]}, "time": ["0", "noon"]}),
+        ("torque: its samples are complex", {"channels": {"torque": 1j * Q}, "rate": 1}),
+        ("torque: sample 1 is NaN", {"channels": {"torque": np.ma.masked_equal([0.0, 9.0, 1.0], 9.0)}, "rate": 1}),
     ],
 )
 def test_bad_arrays_are_refused(words: str, arguments: dict) -> None:

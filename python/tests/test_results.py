@@ -29,7 +29,8 @@ def test_a_mode_is_identified_with_its_input_known(recording: quell.Recording) -
     assert 0.0 < mode.frequency_std_hz < 1e-3
     assert {"likelihood", "batch_fit"} <= {estimate.method for estimate in found.estimates}
     assert found.model is not None and found.model["natural_frequency_hz"] == pytest.approx(mode.frequency_hz, rel=1e-5)
-    assert quell.Shaper("optimal", found.modes, rate=500).residual(8.0) < 0.01
+    assert quell.Shaper("optimal", found, rate=500).residual(8.0) < 0.01
+    assert quell.recommend(found).to_dict() == quell.recommend(found.modes).to_dict()
 
 
 def test_a_shaped_command_leaves_a_simulated_robot_still_and_its_recording_is_identified() -> None:
@@ -97,6 +98,28 @@ def test_a_model_that_lacks_nothing_is_told_so(diagnosis: quell.Diagnosis, recor
     assert diagnosis.to_dict()["verdict"] == "no_mismatch"
     again = pickle.loads(pickle.dumps(diagnosis))
     assert again.model == diagnosis.model and again.to_dict() == diagnosis.to_dict()
+
+
+def test_a_result_is_told_in_some_lines_of_a_terminal(
+    joint: dict[str, np.ndarray], recording: quell.Recording, model: quell.Model, diagnosis: quell.Diagnosis
+) -> None:
+    found, moved = quell.identify(recording), quell.simulate_robot(np.zeros(100), rate=250)
+    predicted = quell.simulate(model, recording)
+    # A strain gauge that shows a tenth too much.
+    wrong = {**joint, "deformation": 1.1 * joint["deformation"]}
+    named = quell.diagnose(model, quell.Recording.from_arrays(wrong, rate=RATE, units=dict.fromkeys(joint, "rad")))
+    assert named.findings
+    told = [found, diagnosis, named, predicted, predicted["deformation"], predicted.score, moved, quell.recommend(found)]
+    told += [recording, recording["deformation"], found.model, diagnosis.fit, *named.findings, *named.traces, *named.candidates]
+    for one in told:
+        assert repr(one).count("\n") < 15 and len(repr(one)) < 1500, repr(one)
+    assert str(diagnosis) == repr(diagnosis)
+    assert named.verdict in repr(named) and f"{found.modes[0].frequency_hz:.6g} +- " in repr(found)
+    for finding in named.findings:
+        for parameter in finding.parameters:
+            assert f"{parameter.name} {parameter.value:.4g} {parameter.unit}" in repr(named)
+    before, after = named.fit.before.held_out_over_noise, named.fit.after.held_out_over_noise
+    assert f"{before:.3g} times the noise" in repr(named) and f"{after:.3g} after" in repr(named)
 
 
 def test_the_command_line_says_the_same(

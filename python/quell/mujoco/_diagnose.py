@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Union
 
 from .._progress import Progress, shown
-from .._result import Result, bold, paragraph, table
+from .._result import Result, bold, in_lines, paragraph, table
 from ..diagnosis import Diagnosis, diagnose as diagnose_one
 from ..findings import Finding
 from ..recording import Recording
@@ -45,6 +45,12 @@ class JointDiagnosis(Result):
     drive: Diagnosis | None
     transmission: Diagnosis | None
     inertia: float
+
+    def __repr__(self) -> str:
+        return in_lines(f"JointDiagnosis({self.joint!r}, inertia {self.inertia:.4g})", self._lines(), "drive and transmission have more")
+
+    def _lines(self) -> list[str]:
+        return [line for side in self._sides() for line in (f"{side.verdict}: {side.summary}", *map(str, side.findings))]
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -105,6 +111,11 @@ class RobotDiagnosis(Result):
 
     joints: dict[str, JointDiagnosis]
     set_aside: dict[str, str] = field(default_factory=lambda: dict[str, str]())
+
+    def __repr__(self) -> str:
+        joints = [f"{name}: {one.summary}" for name, one in self.joints.items()]
+        aside = [f"{name} was set aside: {why}" for name, why in self.set_aside.items()]
+        return in_lines(f"RobotDiagnosis of {len(self.joints)} joints", [*joints, *aside], "each joint, as diagnosis[name], has more")
 
     def __getitem__(self, joint: str) -> JointDiagnosis:
         return self.joints[joint]

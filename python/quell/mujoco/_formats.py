@@ -41,6 +41,9 @@ class Exported(Result):
     values: dict[str, dict[str, Any]]
     lacks: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        return f"Exported({', '.join(self.values) or 'nothing'}; {len(self.lacks)} effects that it cannot hold)"
+
     def __str__(self) -> str:
         return self.text
 
