@@ -9,6 +9,7 @@ mod damper;
 mod delays;
 mod machines;
 mod sets;
+mod untidy;
 
 use concealed::{conceal, conceal_all, typical};
 use machines::{Machine, axis, commanded, gauge, held, joint, looped, oscillator, two_masses};

@@ -98,9 +98,9 @@ impl Force for MaxwellSlip {
 pub const MAXWELL_SLIP: Effect = Effect {
     name: "maxwell_slip",
     title: "Maxwell slip",
-    places: &[Place::Drive, Place::Transmission],
+    places: &[Place::Drive, Place::Transmission, Place::Link],
     physics: "Elements in parallel, each a spring that slips beyond a deflection r_i: the stop operators of Prandtl and \
-        Ishlinskii. The slip distances are fixed, each twice the one before, up to the largest deformation, or at the drive up to a tenth of the travel; the \
+        Ishlinskii. The slip distances are fixed, each twice the one before, up to the largest deformation, or at drive and link up to a tenth of the travel; the \
         stiffness k_i of each is learned and not below 0, so that every loop takes energy away. Any hysteresis that \
         follows Masing's rules, whatever the speed, is such a sum. Source: Prandtl, ZAMM 8 (1928); Ishlinskii, \
         Izvestiya Akademii Nauk SSSR OTN 9 (1944); Al-Bender, Lampaert, Swevers, IEEE Trans. Automatic Control \
@@ -119,8 +119,9 @@ pub const MAXWELL_SLIP: Effect = Effect {
     starts: |scales| {
         let (from, to) = scales.visited_motor_position();
         let (shortest, longest) = scales.visited_deformation();
-        // At the drive, what is elastic over more than a tenth of the travel is a force over the position.
-        [0.1 * (to - from), longest.max(-shortest)]
+        // Of what slides along the travel, more than a tenth of it is a force over the position.
+        let along = 0.1 * (to - from);
+        [along, longest.max(-shortest), along]
             .map(|largest| start::<PARAMETERS>((largest / RANGE, largest)))
             .to_vec()
     },

@@ -41,7 +41,7 @@ impl Force for Dahl {
 pub const PRESLIDING_HYSTERESIS: Effect = Effect {
     name: "presliding_hysteresis",
     title: "presliding hysteresis",
-    places: &[Place::Drive, Place::Transmission],
+    places: &[Place::Drive, Place::Transmission, Place::Link],
     physics: "Asperities bend like bristles before they slide: after each reversal the force goes from \
         one side to the other over a distance x_s, dF/dx = (F_c - F sign x') / x_s. Small motion sees \
         a spring with a loop, large motion Coulomb friction. It does not depend on speed. Source: \
