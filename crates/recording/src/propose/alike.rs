@@ -9,9 +9,7 @@ impl Channels {
     pub fn asked<'a>(&'a self, content: &'a Content) -> impl Iterator<Item = usize> + 'a {
         let counts = |index: &usize| {
             let column = &content.columns[*index];
-            let is_read = column.is_numeric() || column.is_mostly_numeric();
-            let is_one = column.distinct.len() < 2;
-            column.name.is_time() || column.name.is_count() || !is_read || is_one
+            !column.is_measured() || column.distinct.len() < 2
         };
         let all_count = self.unused.iter().all(counts);
         let rest = self.unused.iter().copied();
@@ -57,8 +55,7 @@ impl Channels {
             let own = stem(found.columns[0])?;
             let is_like = |other: &&usize| {
                 let column = &content.columns[**other];
-                let is_read = column.is_numeric() || column.is_mostly_numeric();
-                is_read && stem(**other).is_some_and(|other| other == own)
+                column.has_numbers() && stem(**other).is_some_and(|other| other == own)
             };
             let others: Vec<&str> = self
                 .unused

@@ -151,8 +151,7 @@ pub fn counted(column: &Column) -> String {
 }
 
 fn is_clock(column: &Column) -> bool {
-    // A cell that is no number is told with its place.
-    column.is_numeric() || column.is_mostly_numeric() || date(column).is_some()
+    column.has_numbers() || date(column).is_some()
 }
 
 /// The unit of a column whose first cell is a date, a time of day or a duration `T#4ms`: that in which most of its cells are one, since

@@ -150,6 +150,16 @@ impl Column {
         self.texts > 0 && numbers.count() > self.texts
     }
 
+    /// Whether it is read as numbers: a cell that is none is told with its place.
+    pub fn has_numbers(&self) -> bool {
+        self.is_numeric() || self.is_mostly_numeric()
+    }
+
+    /// Whether its numbers are neither a counter's nor stamps.
+    pub fn is_measured(&self) -> bool {
+        self.has_numbers() && !self.name.is_count() && !self.name.is_time()
+    }
+
     /// Its words, if each row has one of a few, and most rows another one than the row above.
     pub fn in_turn(&self) -> Option<Vec<String>> {
         let last = *self.begins.last()?;

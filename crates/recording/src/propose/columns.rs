@@ -54,8 +54,7 @@ pub fn of(content: &Content, clock: &Clock, tests: Option<usize>) -> Channels {
         if clock.has(index) || tests == Some(index) || column.is_empty() {
             continue;
         }
-        let is_read = column.is_numeric() || column.is_mostly_numeric();
-        if !is_read || column.name.is_count() || column.name.is_time() {
+        if !column.is_measured() {
             channels.unused.push(index);
             continue;
         }
@@ -194,12 +193,10 @@ impl Channels {
 
     /// The columns of numbers that have no use and are neither counters nor times.
     fn measured(&self, content: &Content) -> Vec<usize> {
-        let is_one = |index: &usize| {
-            let column = &content.columns[*index];
-            let is_read = column.is_numeric() || column.is_mostly_numeric();
-            is_read && !column.name.is_count() && !column.name.is_time()
-        };
-        self.unused.iter().copied().filter(is_one).collect()
+        let unused = self.unused.iter().copied();
+        unused
+            .filter(|index| content.columns[*index].is_measured())
+            .collect()
     }
 
     /// Handles guesses that matter. A tip sensor has three axes; with fewer it is a deflection.

@@ -4,7 +4,6 @@ use super::super::role::Role;
 use super::super::unit::Dimension;
 use super::content::Content;
 use super::name::Name;
-use super::units;
 
 /// Names of the axes of an accelerometer that have no word for it, with the unit where it is fixed.
 ///
@@ -39,14 +38,13 @@ pub fn axis(name: &Name) -> Option<(usize, Option<&'static str>)> {
 pub fn is_of_accelerometer(content: &Content, index: usize) -> bool {
     let name = &content.columns[index].name;
     let last = name.words.last().map_or("", |word| word.as_str());
-    let dimension = dimension(name);
     let turns = name.words.iter().any(|word| RATES.contains(&&**word))
         || [Dimension::Angle, Dimension::AngularVelocity]
             .map(Some)
-            .contains(&dimension);
+            .contains(&name.dimension());
     let accelerates = |other: &&Name| {
         let is_named = matches!(other.role(), Some((Role::TipAcceleration, _)));
-        other.axis().is_some() && (is_named || dimension_is_acceleration(other))
+        other.axis().is_some() && (is_named || other.dimension() == Some(Dimension::Acceleration))
     };
     let axes = content
         .columns
@@ -54,13 +52,4 @@ pub fn is_of_accelerometer(content: &Content, index: usize) -> bool {
         .map(|own| &own.name)
         .filter(accelerates);
     turns && TURNS.iter().flatten().any(|axis| *axis == last) && axes.count() > 1
-}
-
-fn dimension(name: &Name) -> Option<Dimension> {
-    let unit = name.unit.as_deref().and_then(units::unit);
-    unit.map(|unit| unit.dimension)
-}
-
-fn dimension_is_acceleration(name: &Name) -> bool {
-    dimension(name) == Some(Dimension::Acceleration)
 }

@@ -202,10 +202,15 @@ impl Name {
                     .is_some_and(|unit| units::time_unit(unit).is_some()))
     }
 
+    /// The dimension of its unit.
+    pub fn dimension(&self) -> Option<Dimension> {
+        let unit = self.unit.as_deref().and_then(units::unit);
+        unit.map(|unit| unit.dimension)
+    }
+
     /// Whether the name means a counter of rows; a current is called `i`, too.
     pub fn is_count(&self) -> bool {
-        let unit = self.unit.as_deref().and_then(units::unit);
-        let is_quantity = unit.is_some_and(|own| own.dimension != Dimension::Number);
+        let is_quantity = self.dimension().is_some_and(|own| own != Dimension::Number);
         self.words.len() == 1 && COUNTS.contains(&self.words[0].as_str()) && !is_quantity
     }
 

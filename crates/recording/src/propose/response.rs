@@ -19,8 +19,7 @@ pub fn lacking<'a>(
     }
     let titles = files.flat_map(|(content, channels)| {
         let rest = channels.unused.iter().map(|&index| &content.columns[index]);
-        let rest = rest.filter(|column| column.is_numeric() || column.is_mostly_numeric());
-        rest.filter(|column| !column.name.is_count() && !column.name.is_time())
+        rest.filter(|column| column.is_measured())
             .map(|column| column.title.as_str())
             .filter(|title| !title.is_empty())
     });

@@ -3,7 +3,7 @@
 use super::super::role::Role;
 use super::super::unit::Dimension;
 use super::content::Content;
-use super::{drives, inertial, robots, siemens, tool, units};
+use super::{drives, inertial, robots, siemens, tool};
 
 /// The role of a column, and whether it is certain.
 pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
@@ -48,11 +48,7 @@ fn by_name(content: &Content, index: usize) -> Option<(Role, bool)> {
     if let Some(role) = super::theta::role(content, index) {
         return Some((role, false));
     }
-    let dimension = name
-        .unit
-        .as_deref()
-        .and_then(units::unit)
-        .map(|unit| unit.dimension);
+    let dimension = name.dimension();
     let named = name.role();
     // A tool with an acceleration's unit has an accelerometer.
     match (named, dimension) {
