@@ -3,7 +3,7 @@
 //! Over a half period the cosine and the sine of a mode are orthogonal, and a force acts on both alike: there its amplitude is
 //! found by least squares, beside the other modes of the fit.
 
-use super::damped::{Damped, Fit, Segment, basis, coefficients};
+use super::damped::{Damped, Fit, Segment, basis};
 use nalgebra::{Complex, DMatrix};
 
 /// Fewest samples of a half period.
@@ -43,15 +43,15 @@ impl Course {
     }
 }
 
-/// The courses of a mode in all decays, beside those of the other modes that are `taken` out.
+/// The courses of a mode in all decays, beside those of the other modes that are `taken` out. `linear` has the amplitudes of
+/// the fit in each.
 pub fn courses(
-    (fit, segments): (&Fit, &[Segment]),
+    (fit, segments, linear): (&Fit, &[Segment], &[DMatrix<f64>]),
     own: &Damped,
     taken: &dyn Fn(&Damped) -> bool,
 ) -> Option<Vec<Course>> {
-    let linear = coefficients(segments, &fit.modes)?;
     let of = |(segment, linear)| course((fit, segment), linear, own, taken);
-    segments.iter().zip(&linear).map(of).collect()
+    segments.iter().zip(linear).map(of).collect()
 }
 
 fn course(

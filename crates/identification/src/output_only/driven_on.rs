@@ -15,7 +15,7 @@
 //! Heuristic, Springer (1989), chapter D; R. E. Kass and A. E. Raftery, J. American Statistical Association 90 (1995).
 
 use super::course::{Course, courses};
-use super::damped::{Damped, Fit, Segment};
+use super::damped::{Damped, Fit, Segment, coefficients};
 use super::level::ABOUT;
 use crate::evidence::STRONG;
 use std::f64::consts::TAU;
@@ -35,8 +35,12 @@ pub fn is_let_go(fit: &Fit, segments: &[Segment], own: &Damped, duration: f64) -
     let about = (TAU * ABOUT / longest).max(own.rate);
     let is_beside =
         |other: &Damped| other != own && (other.frequency - own.frequency).abs() < about;
-    let alone = courses((fit, segments), own, &|_| true);
-    let with = courses((fit, segments), own, &|other| !is_beside(other));
+    let Some(linear) = coefficients(segments, &fit.modes) else {
+        return false;
+    };
+    let all = (fit, segments, &linear[..]);
+    let alone = courses(all, own, &|_| true);
+    let with = courses(all, own, &|other| !is_beside(other));
     let (Some(alone), Some(with)) = (alone, with) else {
         return false;
     };

@@ -10,7 +10,8 @@ use super::damped::{Damped, Segment};
 use nalgebra::DVector;
 use std::f64::consts::TAU;
 
-/// Lines of the spectrum on either side of a mode that are about it, and within which two modes are at the same one: beyond them a line has less than a sixtieth of its energy.
+/// Lines of the spectrum on either side of a mode that are about it, and within which two modes are at the same one:
+/// beyond them a line has less than a sixtieth of its energy.
 pub const ABOUT: f64 = 2.5;
 
 /// The variance that white noise as loud as a residual about a mode would have, beside these modes of its fit.
