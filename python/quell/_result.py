@@ -85,6 +85,10 @@ def figure(value: float, deviation: float) -> str:
     return f"{value:.6g}" if not math.isfinite(deviation) or deviation == 0.0 else f"{value:.6g} +- {deviation:.2g}"
 
 
+# What a result with a text has, beside what a terminal shows.
+MORE = "text, plot(), to_pandas() and save_report(file) have more"
+
+
 def in_lines(head: str, lines: Sequence[str], more: str) -> str:
     """A result in a terminal: one thing a line, and what has more."""
     folded = [textwrap.fill(line, 100, initial_indent="  ", subsequent_indent="    ") for line in (*lines, more)]

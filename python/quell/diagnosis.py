@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Union
 
 from . import _quell
 from ._progress import Progress, shown
-from ._result import Reported, bold, build, frame, in_lines, paragraph, table
+from ._result import MORE, Reported, bold, build, frame, in_lines, paragraph, table
 from .findings import Candidate, Finding, Fit, Location, NextMove, Trace, Verdict
 from .model import Model
 from .recording import Recording
@@ -81,7 +81,7 @@ class Diagnosis(Reported):
         lines = [self.summary, *(str(finding) for finding in self.findings), str(self.fit)]
         if self.next_move:
             lines.append(f"next move: {self.next_move.why}")
-        return in_lines(f"Diagnosis: {self.verdict}", lines, "text, plot(), to_pandas() and save_report(file) have more")
+        return in_lines(f"Diagnosis: {self.verdict}", lines, MORE)
 
     def __str__(self) -> str:
         return repr(self)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _quell
-from ._result import Reported, bold, build, figure, frame, in_lines, paragraph, table
+from ._result import MORE, Reported, bold, build, figure, frame, in_lines, paragraph, table
 from .model import Model
 from .modes import Mode
 from .recording import Recording
@@ -125,7 +125,7 @@ class Identification(Reported):
         if self.recommended:
             lines.append(f"recommended shaper: {self.recommended.shaper}, which adds {self.recommended.delay_s:.3g} s")
         lines += [f"remark: {remark}" for remark in self.remarks[:MOST_REMARKS]]
-        return in_lines(f"Identification({self.name!r}, {self.excitation})", lines, "text, plot(), to_pandas() and save_report(file) have more")
+        return in_lines(f"Identification({self.name!r}, {self.excitation})", lines, MORE)
 
     def to_pandas(self) -> pandas.DataFrame:
         """

@@ -1,10 +1,10 @@
 //! A damper across the joint, or one to ground? The literature writes the one and draws the other
 //! (`docs/src/theory/errata.md`). In free decay both are the same; a recording with motion tells them apart.
 
-use crate::machines::{PERIOD, position, stamps};
+use crate::machines::{PERIOD, position, stamps, two_angles};
 use quell::diagnosis::{Diagnosis, Options, Verdict, diagnose};
 use quell::model::Model;
-use quell::recording::{Channel, Recording, Role};
+use quell::recording::{Recording, Role};
 use quell::signal::{CubicSpline, End, ForcedResponse};
 use quell_shapers::Mode;
 use rand::SeedableRng;
@@ -31,20 +31,11 @@ fn recording(to_ground: bool, motor: fn(f64) -> f64, deformation: f64, role: Rol
         own + response.at(*t).0 + NOISE * white
     };
     let link = time.iter().zip(&values).map(seen).collect();
-    let channel = |role, column| Channel {
-        role,
-        unit: "rad".into(),
-        time: time.clone(),
-        columns: vec![column],
-    };
-    Recording {
-        name: "damper".into(),
-        payload: None,
-        channels: vec![
-            channel(Role::MotorPosition, values.clone()),
-            channel(role, link),
-        ],
-    }
+    two_angles(
+        "damper",
+        &time,
+        [(Role::MotorPosition, values), (role, link)],
+    )
 }
 
 /// Model with the damper across the joint.

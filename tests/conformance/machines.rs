@@ -170,6 +170,19 @@ pub fn angle(role: Role, time: &[f64], at: impl Fn(f64) -> f64) -> Channel {
     }
 }
 
+/// A recording of two angles that are read on one clock.
+pub fn two_angles(name: &str, time: &[f64], angles: [(Role, Vec<f64>); 2]) -> Recording {
+    let channel = |(role, values)| Channel {
+        columns: vec![values],
+        ..blank(role, time)
+    };
+    Recording {
+        name: name.into(),
+        payload: None,
+        channels: angles.map(channel).into(),
+    }
+}
+
 /// A channel whose values are not yet there.
 pub fn blank(role: Role, time: &[f64]) -> Channel {
     angle(role, time, |_| 0.0)

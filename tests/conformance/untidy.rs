@@ -1,16 +1,14 @@
 //! Two laws at once, neither of the shape of the catalogue.
 
-use crate::machines::{position, stamps};
+use crate::machines::{PERIOD, position, stamps, two_angles};
 use quell::diagnosis::{Options, diagnose};
 use quell::model::Model;
-use quell::recording::{Channel, Recording, Role};
+use quell::recording::Role;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 
-/// Sampling period, s.
-const PERIOD: f64 = 0.004;
 /// Steps between two samples.
 const STEPS: u32 = 80;
 /// Natural frequency of the closed gap, rad/s.
@@ -64,20 +62,8 @@ fn a_gap_and_a_friction_are_told_though_neither_has_the_textbooks_shape() {
         y + NOISE * white
     };
     let link = link.into_iter().map(&mut noisy).collect();
-    let channel = |role, values| Channel {
-        role,
-        unit: "rad".into(),
-        time: stamps(PERIOD),
-        columns: vec![values],
-    };
-    let recording = Recording {
-        name: "untidy".into(),
-        payload: None,
-        channels: vec![
-            channel(Role::MotorPosition, motor),
-            channel(Role::LinkPosition, link),
-        ],
-    };
+    let angles = [(Role::MotorPosition, motor), (Role::LinkPosition, link)];
+    let recording = two_angles("untidy", &stamps(PERIOD), angles);
     let model = "kind = \"flexible_joint\"\nnatural_frequency_hz = 9.2\ndamping_ratio = 0.033\n";
     let model = Model::from_toml(model, "model.toml").unwrap();
     let said = diagnose(&model, &[recording], &[], &Options::default(), &|_, _| {})
