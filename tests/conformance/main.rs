@@ -9,6 +9,7 @@ mod damper;
 mod delays;
 mod machines;
 mod sets;
+mod tachometer;
 mod untidy;
 
 use concealed::{conceal, conceal_all, typical};

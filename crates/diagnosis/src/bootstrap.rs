@@ -168,7 +168,11 @@ impl<'a> World<'a> {
         }
         // The noise of an input that counts as noise of the outputs is drawn with theirs, if it is as large at any time.
         let error = |e: usize| match InputError::of(&problem.experiments[e]) {
-            InputError::White(_) if problem.heard_input_noise(e).is_some() => InputError::None,
+            InputError::White(_) | InputError::Walk(_)
+                if problem.heard_input_noise(e).is_some() =>
+            {
+                InputError::None
+            }
             error => error,
         };
         Self {

@@ -5,14 +5,14 @@ use rand::Rng;
 use rand_distr::StandardNormal;
 use std::ops::Range;
 
-/// Standard deviation of the part of an error that is white noise. Of a rounding that is the part where the values move by
+/// Standard deviation of the part of an error that is drawn anew with each sample. Of a rounding that is the part where the values move by
 /// more than a step per sample, a share `p` of all: its mean variance is `p q^2 / 12`.
 ///
 /// Source: Widrow and Kollar, Quantization Noise (2008), chapters 4 and 5.
 pub fn noise(error: InputError, values: &[f64]) -> Option<f64> {
     match error {
         InputError::None => None,
-        InputError::White(deviation) => Some(deviation),
+        InputError::White(deviation) | InputError::Walk(deviation) => Some(deviation),
         InputError::Rounding(step) => {
             let levels = levels(values, step);
             let fast =
@@ -31,6 +31,14 @@ pub fn drawn(error: InputError, values: &[f64], random: &mut impl Rng) -> Option
         InputError::Rounding(step) => Some(rounded_again(values, step, random)),
         InputError::White(noise) => {
             let noisy = |u: &f64| u + noise * random.sample::<f64, _>(StandardNormal);
+            Some(values.iter().map(noisy).collect())
+        }
+        InputError::Walk(step) => {
+            let mut off = 0.0;
+            let noisy = |u: &f64| {
+                off += step * random.sample::<f64, _>(StandardNormal);
+                u + off
+            };
             Some(values.iter().map(noisy).collect())
         }
     }

@@ -11,7 +11,9 @@
 //! It is that of an autoregressive moving average. Its poles `A` are those of the sensor's noise and, behind a
 //! mode, the two of `h`; the moving average is the spectral factor of `A r A*`.
 //!
-//! An encoder's rounding is such noise while it moves by more than a step per sample.
+//! An encoder's rounding is such noise while it moves by more than a step per sample. The noise of a velocity whose
+//! integral drives the model adds up: `h` is then the response to a step, and an output that keeps the step has this
+//! covariance in its differences, so that these are whitened.
 //!
 //! Source: Soederstroem, Errors-in-Variables Methods in System Identification (2018), chapter 2, for a noisy
 //! input; Brockwell and Davis, Time Series: Theory and Methods (1991), section 5.2, for the innovations
@@ -44,7 +46,7 @@ impl Problem<'_> {
         let experiment = &self.experiments[e];
         let error = InputError::of(experiment);
         // What rounds a force is part of what drives the axis: its errors add up, and windows forget them.
-        let is_rounded_force = self.scales.forced && error.white().is_none();
+        let is_rounded_force = self.scales.forced && error.of_noise().is_none();
         let heard = experiment.windows.is_empty() && !is_rounded_force;
         heard
             .then(|| noise(error, &experiment.input_values))
@@ -59,18 +61,37 @@ impl Problem<'_> {
         let experiment = &self.experiments[e];
         let here = self.run(point, e).residuals;
         let inputs = &experiment.input_values;
+        let adds_up = matches!(InputError::of(experiment), InputError::Walk(_));
         let responses = PLACES.map(|place| {
             let mut other = inputs.clone();
-            other[(place * inputs.len() as f64) as usize] += deviation;
+            let from = (place * inputs.len() as f64) as usize;
+            let until = if adds_up { inputs.len() } else { from + 1 };
+            other[from..until].iter_mut().for_each(|u| *u += deviation);
             self.response_to_input((point, &here), e, other)
         });
         let both = own.iter().enumerate().map(|(k, own)| {
-            let often = inputs.len() as f64 / experiment.outputs[k].values.len() as f64;
+            let output = &experiment.outputs[k];
+            let often = inputs.len() as f64 / output.values.len() as f64;
+            let walks = adds_up && output.role.is_position();
             let of = |lag: usize| {
-                let each = responses.iter().map(|rows| product(&rows[k], lag));
+                let each = responses.iter().map(|rows| match walks {
+                    true => product(&differences(&rows[k]), lag),
+                    false => product(&rows[k], lag),
+                });
                 each.sum::<f64>() * often / PLACES.len() as f64
             };
             let heard: Vec<f64> = (0..=LAGS).map(of).collect();
+            if walks {
+                let steps = often * output.values.len() as f64;
+                let both = walking(own, &heard);
+                return both.map_or_else(
+                    || own.clone(),
+                    |both| Whitening {
+                        deviation: own.deviation.hypot(deviation * (steps / 6.0).sqrt()),
+                        ..both
+                    },
+                );
+            }
             let peak = 2.0 * heard.iter().map(|c| c.abs()).sum::<f64>();
             let both = (peak > UNHEARD * own.innovation.powi(2)).then(|| beside(own, &heard));
             both.flatten().unwrap_or_else(|| own.clone())
@@ -84,16 +105,38 @@ fn product(x: &[f64], lag: usize) -> f64 {
     x.iter().zip(x.iter().skip(lag)).map(|(a, b)| a * b).sum()
 }
 
-/// A sensor's noise with noise of an autocovariance beside it, which rings with a mode or does not ring: as the
-/// moving average leaves out less. `None` where neither has one.
+/// Differences of neighbouring values.
+fn differences(values: &[f64]) -> Vec<f64> {
+    values.windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
+
+/// A sensor's noise with noise of an autocovariance beside it; `None` where it cannot be whitened.
 fn beside(own: &Whitening, heard: &[f64]) -> Option<Whitening> {
-    let response = own.response();
+    together(own, &own.response(), heard, 2)
+}
+
+/// A sensor's noise beside noise whose differences have this autocovariance. A walk has no standard deviation: that of the
+/// differences is told.
+fn walking(own: &Whitening, heard: &[f64]) -> Option<Whitening> {
+    let mut response = own.response();
+    response.insert(0, 0.0);
+    let both = together(own, &differences(&response), heard, 3)?;
+    Some(Whitening {
+        walks: true,
+        ..both
+    })
+}
+
+/// The sum of two noises, of which one is a sensor's with this response to an innovation and the other has this
+/// autocovariance. It rings with a mode or does not ring: as the moving average, which is longer than the sensor's poles by
+/// `more`, leaves out less. `None` where neither has one.
+fn together(own: &Whitening, response: &[f64], heard: &[f64], more: usize) -> Option<Whitening> {
     let power = own.innovation.powi(2);
-    let both = |(lag, heard): (usize, &f64)| power * product(&response, lag) + heard;
+    let both = |(lag, heard): (usize, &f64)| power * product(response, lag) + heard;
     let covariance: Vec<f64> = heard.iter().enumerate().map(both).collect();
     let mut poles = vec![1.0];
     poles.extend(own.coefficients.iter().map(|a| -a));
-    let order = own.coefficients.len() + 2;
+    let order = own.coefficients.len() + more;
     let still = Filtered::new(&covariance, poles.clone(), order);
     let ringing = poles_of(heard)
         .map(|mode| Filtered::new(&covariance, polynomial::product(&poles, &mode), order));
@@ -153,6 +196,7 @@ impl<'a> Filtered<'a> {
             innovation: moving_average.last()?.deviation,
             moving_average,
             deviation: self.covariance[0].sqrt(),
+            walks: false,
         })
     }
 }
@@ -244,6 +288,7 @@ mod tests {
             moving_average: Vec::new(),
             innovation: 0.02,
             deviation: 1.0,
+            walks: false,
         };
         let response = mode.response();
         let heard: Vec<f64> = (0..=LAGS)

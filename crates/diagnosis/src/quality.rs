@@ -31,12 +31,12 @@ fn rms(problem: &Problem, point: &Point, rows: &[Vec<Rows>]) -> [f64; 2] {
     for (e, rows) in rows.iter().enumerate() {
         let residual = problem.explained(point, e);
         let scale = problem.experiments[e].outputs[0].scale;
-        let noise = problem.noise[e][0].deviation;
+        let noise = &problem.noise[e][0];
         for range in &rows[0] {
-            let own = residual[0][range.clone()].iter();
-            let square: f64 = own.map(|r| r * r).sum();
+            let own = &residual[0][range.clone()];
+            let square: f64 = own.iter().map(|r| r * r).sum();
             sum += square * scale * scale;
-            over += square / (noise * noise);
+            over += noise.power(own) * own.len() as f64;
             count += range.len();
         }
     }

@@ -53,7 +53,22 @@ pub fn recorded(recordings: &[Recording]) -> Vec<String> {
 pub fn of_outputs(problem: &Problem, found: &Found) -> Vec<String> {
     let mut remarks = gains(problem, &found.best.fitted.point);
     remarks.extend(directions(problem));
+    remarks.extend(walk(problem));
     remarks
+}
+
+/// The largest noise of a velocity that was integrated, at the end of its recording.
+fn walk(problem: &Problem) -> Option<String> {
+    let walks = problem.experiments.iter().filter_map(|own| {
+        let steps = own.input_values.len() as f64;
+        Some((own.input_walk? * steps.sqrt(), own))
+    });
+    let (most, own) = walks.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(format!(
+        "The motor side's position is the integral of motor_velocity: its noise adds up to {most:.2e} {}, and its zero was \
+         fitted. A slow error cannot be told from that: record motor_position.",
+        own.position_unit
+    ))
 }
 
 /// Fitted values of the model: effects of the given model that the recording does not need, payloads, keys at the ends of

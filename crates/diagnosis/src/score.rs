@@ -8,6 +8,7 @@ use super::projector::Projector;
 use super::split;
 use super::start::ringing;
 use super::weights::measure_noise;
+use super::whitening::Whitening;
 use quell_model::{Experiment, Model, Output, Term};
 use quell_recording::Recording;
 use serde::Serialize;
@@ -80,7 +81,7 @@ fn predicted(
     let Left {
         residuals, noise, ..
     } = left(model, happened, &experiments, (first, false));
-    let score = score_of(&experiments[0], &residuals[0], noise, first);
+    let score = score_of(&experiments[0], &residuals[0], &noise, first);
     let numbers = [
         score.rms,
         score.noise_std,
@@ -156,7 +157,7 @@ pub fn carrying(
         return Ok(None);
     }
     let left = left(model, &[], &experiments, (first, true));
-    let score = score_of(&experiments[0], &left.residuals[0], left.noise, first);
+    let score = score_of(&experiments[0], &left.residuals[0], &left.noise, first);
     // Of a motion that runs away with every inertia nothing is told.
     let is_told = score.rms_over_noise.is_finite();
     Ok(is_told.then_some(Carrying {
@@ -171,7 +172,7 @@ struct Left {
     /// Residual of each output.
     residuals: Vec<Vec<f64>>,
     /// Noise of the first one.
-    noise: f64,
+    noise: Whitening,
     /// Inertia of the link over the model's.
     inertia: f64,
 }
@@ -209,7 +210,7 @@ fn left(
         measure_noise(&mut fit, &rough.point);
         return Left {
             residuals,
-            noise: fit.noise[0][0].deviation,
+            noise: fit.noise[0][0].clone(),
             inertia: rough.point.inertias[usize::from(loaded)],
         };
     }
@@ -219,7 +220,7 @@ fn left(
     drop(projector);
     Left {
         residuals: fit.explained(&fitted.point, 0),
-        noise: fit.noise[0][0].deviation,
+        noise: fit.noise[0][0].clone(),
         inertia: fitted.point.inertias[usize::from(loaded)],
     }
 }
@@ -271,7 +272,7 @@ pub(super) fn score_in_one_piece(
 fn score_of(
     experiment: &Experiment,
     residual: &[f64],
-    deviation: f64,
+    noise: &Whitening,
     first: Option<usize>,
 ) -> Score {
     let (output, from) = (&experiment.outputs[0], first.unwrap_or(0));
@@ -285,8 +286,8 @@ fn score_of(
     Score {
         rms: (square / n).sqrt() * output.scale,
         unit: output.unit.clone(),
-        noise_std: deviation * output.scale,
-        rms_over_noise: (square / n).sqrt() / deviation,
+        noise_std: noise.deviation * output.scale,
+        rms_over_noise: noise.power(residual).sqrt(),
         fit_percent: 100.0 * (1.0 - (square / spread).sqrt()),
         samples: residual.len(),
         motion: shown.iter().fold(0.0, |most: f64, y| most.max(y.abs())) * output.scale,

@@ -34,7 +34,7 @@ pub fn departures(model: &Model, experiments: &[Experiment]) -> Vec<StartCompone
 }
 
 fn is_noisy(experiment: &Experiment) -> bool {
-    InputError::of(experiment).white().is_some()
+    InputError::of(experiment).of_noise().is_some()
 }
 
 /// Typical sizes of the unknown components of a start.

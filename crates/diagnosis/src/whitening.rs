@@ -14,6 +14,8 @@ pub struct Whitening {
     pub innovation: f64,
     /// Standard deviation of the noise itself.
     pub deviation: f64,
+    /// Whether all that is the noise of the differences of neighbouring values, whose sum has no level of its own.
+    pub walks: bool,
 }
 
 /// A sample of a moving average: `u_t = s_t e_t + b_1 s_{t-1} e_{t-1} + ... + b_q s_{t-q} e_{t-q}`.
@@ -40,6 +42,7 @@ impl Whitening {
             moving_average: Vec::new(),
             innovation: deviation,
             deviation,
+            walks: false,
         }
     }
 
@@ -50,6 +53,7 @@ impl Whitening {
             moving_average: Vec::new(),
             innovation,
             deviation: innovation / (1.0 - pole * pole).sqrt(),
+            walks: false,
         }
     }
 
@@ -64,6 +68,7 @@ impl Whitening {
                 .collect(),
             innovation: times * self.innovation,
             deviation: times * self.deviation,
+            walks: self.walks,
         }
     }
 
@@ -89,7 +94,15 @@ impl Whitening {
             };
             response.push(echo + own);
         }
+        self.summed(&mut response);
         response
+    }
+
+    /// Sums values up in place, where these are differences.
+    fn summed(&self, values: &mut [f64]) {
+        for k in 1..if self.walks { values.len() } else { 0 } {
+            values[k] += values[k - 1];
+        }
     }
 
     /// `b_1 ... b_q` of the moving average far from the start.
@@ -135,15 +148,40 @@ impl Whitening {
                     moving_average: Vec::new(),
                     innovation: innovation.sqrt(),
                     deviation: variance.sqrt(),
+                    walks: false,
                 };
             }
         }
         best
     }
 
+    /// Mean square of values in units of the noise. Of a walk that is the mean square of the whitened values, since it has
+    /// no level.
+    pub fn power(&self, values: &[f64]) -> f64 {
+        let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
+        let all = match self.walks {
+            true => {
+                let mut rows = Vec::new();
+                self.apply(values, &mut rows);
+                square(&rows)
+            }
+            false => square(values) / self.deviation.powi(2),
+        };
+        all / values.len() as f64
+    }
+
     /// Appends the whitened values. Without a moving average the first ones, which have no known past, are
-    /// divided by the noise's own standard deviation.
+    /// divided by the noise's own standard deviation; so is the first one of a walk.
     pub fn apply(&self, values: &[f64], rows: &mut Vec<f64>) {
+        if self.walks {
+            rows.extend(values.first().map(|first| first / self.deviation));
+            let differences: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            return self.apply_still(&differences, rows);
+        }
+        self.apply_still(values, rows);
+    }
+
+    fn apply_still(&self, values: &[f64], rows: &mut Vec<f64>) {
         let p = self.coefficients.len();
         let mut innovations = Vec::with_capacity(values.len());
         for (t, value) in values.iter().enumerate() {
@@ -187,7 +225,9 @@ impl Whitening {
             innovations.push(innovation);
             values.push(expected + echo + innovation);
         }
-        values.split_off(before)
+        let mut own = values.split_off(before);
+        self.summed(&mut own);
+        own
     }
 }
 

@@ -61,6 +61,9 @@ pub struct Experiment {
     pub input_time: Vec<f64>,
     /// Its values, SI.
     pub input_values: Vec<f64>,
+    /// Standard deviation of the noise that an interval of the samples adds to it, where it is the integral of a measured
+    /// velocity.
+    pub input_walk: Option<f64>,
     /// Its course between samples.
     pub hold: Hold,
     /// Nodes of the integration.

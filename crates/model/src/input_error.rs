@@ -17,6 +17,8 @@ pub enum InputError {
     Rounding(f64),
     /// White noise of this standard deviation.
     White(f64),
+    /// The integral of white noise: a random walk whose steps, from sample to sample, have this standard deviation.
+    Walk(f64),
 }
 
 impl InputError {
@@ -26,6 +28,12 @@ impl InputError {
         let values = &experiment.input_values;
         let noise = noise_std(values).unwrap_or(0.0);
         let measured = is_measured_motion(experiment.input);
+        if let Some(step) = experiment.input_walk {
+            return match step > 0.0 {
+                true => Self::Walk(step),
+                false => Self::None,
+            };
+        }
         match quantum(values) {
             _ if experiment.input == Role::CommandPosition => Self::None,
             Some(step) if noise <= ROUNDED * step || !measured => Self::Rounding(step),
@@ -34,10 +42,10 @@ impl InputError {
         }
     }
 
-    /// Standard deviation of the error where it is white noise.
-    pub fn white(self) -> Option<f64> {
+    /// Standard deviation of what is drawn anew with each sample, where the error is noise.
+    pub fn of_noise(self) -> Option<f64> {
         match self {
-            Self::White(deviation) => Some(deviation),
+            Self::White(deviation) | Self::Walk(deviation) => Some(deviation),
             Self::None | Self::Rounding(_) => None,
         }
     }
@@ -50,7 +58,7 @@ impl InputError {
         match Self::of(experiment) {
             Self::None => None,
             Self::Rounding(step) => Some(0.5 * step),
-            Self::White(deviation) => Some(deviation),
+            Self::White(deviation) | Self::Walk(deviation) => Some(deviation),
         }
     }
 }

@@ -10,7 +10,7 @@ use super::predict::predict_windows;
 use super::windows::{unseen, windows};
 use super::{Departure, ExperimentError, Model, Term};
 use quell_recording::{Channel, Recording, Role};
-use quell_signal::integrated_velocity;
+use quell_signal::{integrated_velocity, noise_floor};
 
 /// Length of a long step, in normal ones. For a linear chain the classical Runge-Kutta method is exact for
 /// another chain, whose frequency is wrong by `0.5^4 / 120 = 5e-4`: a fit with long steps finds that chain.
@@ -60,7 +60,7 @@ impl Experiment {
         };
         let known = Known::of(model, &recording, &equation)?;
         let force_unit = equation.force(model, &recording);
-        let mut input = motor_side(recording.channels.remove(input))?;
+        let (mut input, input_walk) = motor_side(recording.channels.remove(input))?;
         let hold = model.hold.unwrap_or((model.kind.hold)(input.role));
         let step = RADIANS_A_STEP / (model.fastest() * hastened(model, input.role, &known));
         let mut experiment = Self {
@@ -68,6 +68,7 @@ impl Experiment {
             input: input.role,
             input_time: input.time,
             input_values: input.columns.swap_remove(0),
+            input_walk,
             hold,
             outputs: Vec::new(),
             initial: [0.0; 4],
@@ -84,6 +85,9 @@ impl Experiment {
             let wanted = model.kind.outputs.contains(&channel.role);
             if wanted && channel.role != experiment.input {
                 let mut output = output(model, &experiment, (&recording.name, channel))?;
+                if input_walk.is_some() && output.role.is_position() {
+                    output.drifts();
+                }
                 if let Some(gain) = gain.take_if(|(gain, _)| gain.channel == output.channel) {
                     output.scaled_by(gain);
                 }
@@ -257,12 +261,16 @@ fn position_unit(model: &Model, recording: &Recording, input: Role) -> String {
     }
 }
 
-/// The motion of a motor side, of which the position or only the velocity was measured.
-fn motor_side(channel: Channel) -> Result<Channel, ExperimentError> {
-    match channel.role {
-        Role::MotorVelocity => Ok(integrated_velocity(&channel)?),
-        _ => Ok(channel),
+/// The motion of a motor side, and of one of which only the velocity was measured the noise that each interval adds.
+fn motor_side(channel: Channel) -> Result<(Channel, Option<f64>), ExperimentError> {
+    if channel.role != Role::MotorVelocity {
+        return Ok((channel, None));
     }
+    let (time, velocity) = (&channel.time, &channel.columns[0]);
+    let last = time.len() - 1;
+    let interval = (time[last] - time[0]) / last.max(1) as f64;
+    let noise = noise_floor(velocity).standard_deviation;
+    Ok((integrated_velocity(&channel)?, Some(noise * interval)))
 }
 
 fn names(roles: &[Role]) -> String {

@@ -191,6 +191,14 @@ impl Output {
         self.columns.iter_mut().for_each(cut);
     }
 
+    /// Frees a drift at a constant rate: the zero of the velocity whose integral drives the model is not known.
+    pub(super) fn drifts(&mut self) {
+        self.columns.push(self.time.clone());
+        self.witness
+            .iter_mut()
+            .for_each(|(weights, _)| weights.push(0.0));
+    }
+
     /// Frees the remaining error of a gain. Errors are reported in the unit of the reading.
     pub(super) fn scaled_by(&mut self, (gain, motor): (Gain, Vec<f64>)) {
         self.columns.push(motor);

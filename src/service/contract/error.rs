@@ -177,6 +177,12 @@ pub enum ServiceError {
     /// Too many requests wait already.
     #[error("too many requests wait already; try again")]
     Busy,
+    /// The computer did not do in time what the request needs.
+    #[error("this computer is too busy: {what}; try again")]
+    Overloaded {
+        /// What was not done.
+        what: &'static str,
+    },
     /// The engine has ended.
     #[error("the engine has ended")]
     Gone,
@@ -232,7 +238,9 @@ impl ServiceError {
             | Self::NotHeard { .. }
             | Self::Stopped => ErrorKind::Conflict,
             Self::NotRecorded { .. } => ErrorKind::Storage,
-            Self::Stopping | Self::Busy | Self::Gone => ErrorKind::Unavailable,
+            Self::Stopping | Self::Busy | Self::Overloaded { .. } | Self::Gone => {
+                ErrorKind::Unavailable
+            }
         }
     }
 }

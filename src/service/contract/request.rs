@@ -177,8 +177,8 @@ pub enum Accepted {
         /// The joints that are being stopped; none where nothing moves.
         joints: Vec<Stopping>,
     },
-    /// Moves are enabled or not, as it says.
-    Enabling {
+    /// Moves are enabled, disabled or faulted, as it says.
+    EnableState {
         /// The state.
         state: EnableState,
     },

@@ -150,7 +150,7 @@ impl Engine {
 
     fn enabling_now(&self) -> Accepted {
         let state = self.enabling.view.state;
-        Accepted::Enabling { state }
+        Accepted::EnableState { state }
     }
 
     fn check_ready(&self, index: usize) -> Result<(), ServiceError> {

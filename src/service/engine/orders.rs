@@ -224,7 +224,8 @@ impl Engine {
                 continue;
             };
             if let Some(together) = asked.together {
-                self.disband(together.id, &ServiceError::Busy);
+                let what = "the joints could not begin at one tick";
+                self.disband(together.id, &ServiceError::Overloaded { what });
                 continue;
             }
             if asked.is_abandoned() {

@@ -31,7 +31,8 @@ impl Engine {
         let answer = match request {
             // A stuck tick gets no further orders.
             request if self.rings.orders.is_behind() && !request.is_heard_always() => {
-                Err(ServiceError::Busy)
+                let what = "the tick takes no orders";
+                Err(ServiceError::Overloaded { what })
             }
             // A stop has priority over waiting requests, and cancels earlier moves.
             Request::Move { .. } if self.last_stop.is_some_and(|stop| number < stop) => {

@@ -320,7 +320,8 @@ impl Engine {
             if now > group.deadline + TRIED
                 && let Some(reply) = group.reply.take()
             {
-                answer(Some(reply), Err(ServiceError::Busy));
+                let what = "the tick has not answered";
+                answer(Some(reply), Err(ServiceError::Overloaded { what }));
             }
         }
     }

@@ -128,8 +128,8 @@ impl Engine {
         motion: &[SampledTrajectory],
     ) -> Result<(Vec<Planned>, f64), ServiceError> {
         if motion.len() != members.len() {
-            // The solution was not ready in time.
-            return Err(ServiceError::Busy);
+            let what = "the motion within the tolerance was not found in time";
+            return Err(ServiceError::Overloaded { what });
         }
         let planned = members.iter().zip(motion).map(|(&(index, _), samples)| {
             self.check_free(index)?;
