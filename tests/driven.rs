@@ -48,7 +48,7 @@ const NOISE: f64 = 1e-5;
 fn diagnosed(model: &str, channels: Vec<(Role, &str, Vec<f64>)>, rate: f64) -> Outcome {
     let mut random = ChaCha8Rng::seed_from_u64(7);
     let channels = channels.into_iter().map(|(role, unit, mut values)| {
-        if unit == "rad" {
+        if unit == "rad" && role != Role::CommandPosition {
             for value in &mut values {
                 *value += NOISE * random.sample::<f64, _>(StandardNormal);
             }
@@ -281,6 +281,50 @@ fn val_forces_are_in_the_unit_of_what_drives_the_axis() {
         );
         assert_eq!(text.contains("N.m"), unit == "N.m", "{text}");
     }
+}
+
+/// A loop that renews its command four times between two recorded samples. A command that was held from one to the next would
+/// come one and a half ticks too late, which is no delay of the machine's.
+#[test]
+fn a_command_that_is_recorded_now_and_then_is_not_taken_for_held() {
+    let (mass, position_gain, velocity_gain, friction, tick) = (95.0, 20.0, 3000.0, 30.0, 1e-3);
+    let mut state = [0.0; 2];
+    let [mut command, mut position] = [Vec::new(), Vec::new()];
+    for k in 0..(LENGTH / tick) as u32 {
+        let asked = moves(f64::from(k) * tick)[0];
+        if k % 4 == 0 {
+            command.push(asked);
+            position.push(state[0]);
+        }
+        let rates = |_: f64, &[x, v]: &[f64; 2]| {
+            let loops = velocity_gain * (position_gain * (asked - x) - v);
+            [v, (loops - friction * (v / 0.002).tanh()) / mass]
+        };
+        for _ in 0..10 {
+            step(rates, 0.0, 0.1 * tick, &mut state);
+        }
+    }
+    let channels = vec![
+        (Role::CommandPosition, "rad", command),
+        (Role::MotorPosition, "rad", position),
+    ];
+    let model =
+        "kind = \"rigid_axis\"\nmass = 95.0\nposition_gain = 20.0\nvelocity_gain = 3000.0\n";
+    let told = diagnosed(model, channels, 1.0 / (4.0 * tick)).diagnosis;
+    let effect = "smooth_coulomb_friction";
+    check(&told, effect, "drive", "friction", friction);
+    // The command of a tick is half a tick late, which a delay of the drive and one of the sensor explain alike.
+    let late = &told.findings[1];
+    let delays = ["drive_delay", "sensor_delay"];
+    let names = late.alternatives.iter().chain([&late.effect]);
+    assert!(
+        names.into_iter().any(|own| delays.contains(&own.as_str())),
+        "{}",
+        told.summary
+    );
+    assert_eq!(told.findings.len(), 2, "{}", told.summary);
+    let remark = |own: &String| own.contains("smooth curve");
+    assert!(told.remarks.iter().any(remark), "{:?}", told.remarks);
 }
 
 /// A measured current is smooth between its samples, while a command is held. Friction must not hide which of both it is: half a

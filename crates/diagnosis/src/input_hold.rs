@@ -1,4 +1,4 @@
-//! The course of a force between its samples, as the recordings show it.
+//! The course of a force or a command between its samples, as the recordings show it.
 
 use super::baseline::{problem, refit};
 use super::error::DiagnosisError;
@@ -14,6 +14,7 @@ use super::weights::measure_noise;
 use super::whitening::Whitening;
 use quell_model::effects::Slot;
 use quell_model::{Experiment, Hold, Model, Term};
+use quell_recording::Role;
 
 /// A model that says how its input runs between the samples, where the given model does not.
 pub struct Held {
@@ -30,7 +31,8 @@ pub struct Held {
 ///
 /// A controller holds a force from tick to tick. If it is interpolated by straight lines, it acts half a sample
 /// too early, which no law should have to explain. A measured force is smooth; if it is taken for held, it acts
-/// too late. Only a motor side that a force drives freely shows the difference. It is coupled to its measured
+/// too late. So does a command that its controller renews more often than it is recorded. Only a motor side that a
+/// force drives freely, and a position loop, show the difference. The free motor side is coupled to its measured
 /// motion, so that other missing physics counts where it acts. Friction, which every axis has, changes with the
 /// acceleration and so would decide: a learned law takes it up. The evidence is that of [`super::evidence`]: half
 /// the difference of chi-squared, in units of the residual per row.
@@ -39,11 +41,13 @@ pub fn held_input(
     recordings: &Stretches,
     usual: &[Experiment],
 ) -> Result<Option<Held>, DiagnosisError> {
-    if model.hold.is_some() || usual[0].windows.is_empty() {
+    let is_command = usual[0].input == Role::CommandPosition;
+    if model.hold.is_some() || usual[0].windows.is_empty() && !is_command {
         return Ok(None);
     }
     let (other, words) = match usual[0].hold {
         Hold::Linear => (Hold::ZeroOrder, "held from sample to sample"),
+        Hold::ZeroOrder if is_command => (Hold::Spline, "a smooth curve through its samples"),
         Hold::ZeroOrder => (Hold::Linear, "straight lines between its samples"),
         Hold::Spline | Hold::Smooth(_) | Hold::Mean(_) => return Ok(None),
     };
@@ -54,7 +58,11 @@ pub fn held_input(
         model: model_held,
         words,
     };
-    let both = coupled(model, usual).zip(coupled(&held.model, &held.experiments));
+    let as_driven = |model: &Model, all: &[Experiment]| match is_command {
+        true => Some(all.to_vec()),
+        false => coupled(model, all),
+    };
+    let both = as_driven(model, usual).zip(as_driven(&held.model, &held.experiments));
     let Some((usual, other)) = both else {
         return Ok(None);
     };
@@ -66,7 +74,7 @@ pub fn held_input(
     Ok((evidence > STRONG).then_some(held))
 }
 
-/// A refitted model with friction on coupled experiments.
+/// A refitted model with friction.
 struct Fitted {
     point: Point,
     /// The noise that weighs the rows.
@@ -76,8 +84,8 @@ struct Fitted {
 }
 
 impl Fitted {
-    fn new(model: &Model, coupled: &[Experiment]) -> Self {
-        let mut problem = problem(model, coupled, rows(coupled));
+    fn new(model: &Model, experiments: &[Experiment]) -> Self {
+        let mut problem = problem(model, experiments, rows(experiments));
         let start = problem.start(model);
         measure_noise(&mut problem, &start);
         let projector = Projector::new(&problem);
@@ -94,8 +102,8 @@ impl Fitted {
     }
 
     /// Chi-squared, with the same noise, of another model on its own experiments, fitted from here.
-    fn cost_with(&self, model: &Model, coupled: &[Experiment]) -> f64 {
-        let mut problem = problem(model, coupled, rows(coupled));
+    fn cost_with(&self, model: &Model, experiments: &[Experiment]) -> f64 {
+        let mut problem = problem(model, experiments, rows(experiments));
         problem.whitening.clone_from(&self.whitening);
         problem
             .fit(&self.point, &Projector::new(&problem), LONG)
@@ -103,8 +111,8 @@ impl Fitted {
     }
 }
 
-fn rows(coupled: &[Experiment]) -> Vec<Vec<Rows>> {
-    coupled.iter().map(split::whole).collect()
+fn rows(experiments: &[Experiment]) -> Vec<Vec<Rows>> {
+    experiments.iter().map(split::whole).collect()
 }
 
 /// A point with a learned law of friction at the first place that may have one.

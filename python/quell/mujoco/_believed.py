@@ -106,6 +106,9 @@ def drive_side(
     seen = float(inertia.mean())
     rotor = max(rotor, LEAST * seen)
     lines = ['kind = "rigid_axis"', f"mass = {{ value = {rotor!r}, std = {rotor!r} }}", *_loop(actuator, inputs)]
+    if inputs == ("command_position",):
+        # What the servo received at each sample; a patched model is driven by it in the same way.
+        lines.append('input_hold = "zero_order"')
     if (viscous := float(np.ravel(model.dof_damping)[joint.dof])) > 0.0:
         lines.append(f"viscous = {{ value = {viscous!r}, std = {viscous!r} }}")
     if (friction := float(model.dof_frictionloss[joint.dof])) > 0.0:
