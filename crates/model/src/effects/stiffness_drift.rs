@@ -1,10 +1,13 @@
 //! Stiffness that changes with time.
 
-use super::grid::product;
 use super::levelling::{SETTLING_RATE, levelling};
 use super::{
-    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity, Slot,
+    Effect, Force, Law, Memory, Motion, Parameter, ParameterRole, Place, Property, Quantity,
+    Scales, Slot,
 };
+
+/// The spring keeps a positive stiffness.
+const GREATEST_LOSS: f64 = -0.9;
 
 struct Drift {
     rate: f64,
@@ -13,7 +16,8 @@ struct Drift {
 
 impl Force for Drift {
     fn force(&self, motion: &Motion, x: f64, _v: f64, _memory: &Memory) -> f64 {
-        motion.stiffness * self.rate * levelling(motion.time, self.settling) * x
+        let change = self.rate * levelling(motion.time, self.settling);
+        motion.stiffness * change.max(GREATEST_LOSS) * x
     }
 }
 
@@ -32,13 +36,13 @@ pub const STIFFNESS_DRIFT: Effect = Effect {
             name: "rate",
             role: ParameterRole::Size,
             quantity: Quantity::FREQUENCY,
-            // The spring keeps a positive stiffness: 1 + a t > 0.
+            // What levels off fastest has the steepest beginning.
             bounds: |scales| {
-                let latest = latest(scales.span);
-                (-0.9 / latest, 5.0 / latest)
+                let steepest = 1.0 / levelled(scales, (SETTLING_RATE.bounds)(scales).1);
+                (GREATEST_LOSS * steepest, 5.0 * steepest)
             },
             neutral: 0.0,
-            typical: |scales| 0.1 / latest(scales.span),
+            typical: |scales| 0.1 / levelled(scales, 0.0),
         },
         SETTLING_RATE,
     ],
@@ -50,12 +54,17 @@ pub const STIFFNESS_DRIFT: Effect = Effect {
         }))
     },
     starts: |scales| {
-        let rates = [-0.1, 0.1].map(|size| size / latest(scales.span));
-        product(&[&rates, &[0.0, 4.0 / scales.duration()]])
+        let courses = [0.0, 4.0 / scales.duration()].into_iter();
+        let start = |settling| {
+            let whole = levelled(scales, settling);
+            [-0.1, 0.1].map(|size| vec![size / whole, settling])
+        };
+        courses.flat_map(start).collect()
     },
 };
 
-/// The instant farthest from 0.
-fn latest(span: (f64, f64)) -> f64 {
-    span.0.abs().max(span.1.abs())
+/// The course of a drift at the instant farthest from 0.
+fn levelled(scales: &Scales, settling: f64) -> f64 {
+    let (first, last) = scales.span;
+    levelling(first.abs().max(last.abs()), settling)
 }
