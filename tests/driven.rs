@@ -309,7 +309,7 @@ fn a_command_that_is_recorded_now_and_then_is_not_taken_for_held() {
         (Role::MotorPosition, "rad", position),
     ];
     let model =
-        "kind = \"rigid_axis\"\nmass = 95.0\nposition_gain = 20.0\nvelocity_gain = 3000.0\n";
+        "kind = \"rigid_axis\"\nmass = { value = 95.0, fixed = true }\nposition_gain = 20.0\nvelocity_gain = 3000.0\n";
     let told = diagnosed(model, channels, 1.0 / (4.0 * tick)).diagnosis;
     let effect = "smooth_coulomb_friction";
     check(&told, effect, "drive", "friction", friction);

@@ -25,7 +25,8 @@ const HEAD: &str = "# The model file `model.toml`\n\n`quell diagnose --model FIL
      diagnosis refits those that are not `fixed`. It refits an optional key only where the file gives it, and one of \
      which the tables below say \"not refitted\" only where the file gives a `std`.\n\n\
      The names of effects, places and parameters are [in the catalogue](effects.md). `input_hold = \"zero_order\"`, \
-     `\"linear\"` or `\"spline\"` says what the input does between its samples.\n\n## Kinds\n\n";
+     `\"linear\"` or `\"spline\"` says what the input does between its samples. Without it `diagnose` tries both for a \
+     force and for the command of a position loop, and says which one explains the recording better.\n\n## Kinds\n\n";
 
 pub fn page() -> String {
     let mut page = format!("{HEAD}{}", kinds());
