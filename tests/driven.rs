@@ -308,8 +308,7 @@ fn a_command_that_is_recorded_now_and_then_is_not_taken_for_held() {
         (Role::CommandPosition, "rad", command),
         (Role::MotorPosition, "rad", position),
     ];
-    let model =
-        "kind = \"rigid_axis\"\nmass = { value = 95.0, fixed = true }\nposition_gain = 20.0\nvelocity_gain = 3000.0\n";
+    let model = "kind = \"rigid_axis\"\nmass = { value = 95.0, fixed = true }\nposition_gain = 20.0\nvelocity_gain = 3000.0\n";
     let told = diagnosed(model, channels, 1.0 / (4.0 * tick)).diagnosis;
     let effect = "smooth_coulomb_friction";
     check(&told, effect, "drive", "friction", friction);

@@ -36,8 +36,8 @@ pub struct Found {
 }
 
 /// The reported explanation of a pool.
-struct Told {
-    best: Explanation,
+pub struct Told {
+    pub best: Explanation,
     /// The best explanation without each of its effects.
     ablated: Vec<Explanation>,
     /// More probable explanations that are not reported.
@@ -72,7 +72,7 @@ impl Search<'_> {
 
     /// The most probable explanation that meets three conditions: its parameters are meaningful, it predicts
     /// the held-out rows better than the baseline, and none of its effects makes that prediction worse.
-    fn told(&self, pool: &mut Pool) -> Told {
+    pub fn told(&self, pool: &mut Pool) -> Told {
         loop {
             let known = pool.count();
             let told = self.first_sound(pool);

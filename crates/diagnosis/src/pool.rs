@@ -156,6 +156,12 @@ impl Pool {
         named.take(BEAM).cloned().collect()
     }
 
+    /// The most likely structure with a learned law, were only noise left in the end.
+    pub fn most_likely_learned(&self) -> Option<Explanation> {
+        let mut ranked = self.ranked(CALIBRATED).into_iter().map(|own| own.0);
+        ranked.find(|own| own.is_learned()).cloned()
+    }
+
     /// Marks a structure as extended by the effects of a table.
     pub fn mark(&mut self, own: &Explanation, table: Table) {
         self.extended.push((own.fitted.point.structure(), table));

@@ -79,11 +79,9 @@ impl Search<'_> {
             return false;
         }
         (self.progress)(0.5, "looking for a further effect");
-        let baseline = pool.baseline();
-        match next.terms() > 1 && !pool.is_extended(baseline, Table::Learned) {
-            // One law of any shape is a simpler explanation than three of the catalogue.
-            true => self.extend_by(pool, &baseline.clone(), Table::Learned),
-            false => self.extend_by(pool, &next, Table::Named),
+        match next_to_learn(pool, &next) {
+            Some(part) => self.extend_by(pool, &part, Table::Learned),
+            None => self.extend_by(pool, &next, Table::Named),
         }
         true
     }
@@ -220,6 +218,20 @@ impl Search<'_> {
             false => self.extend_by(pool, own, table),
         }
     }
+}
+
+/// The first structure that is to have a learned law before this one has a further effect: one law of any shape is a simpler
+/// explanation than three of the catalogue, and one beside others is simpler than two beside them.
+pub fn next_to_learn(pool: &Pool, next: &Explanation) -> Option<Explanation> {
+    let point = &next.fitted.point;
+    if next.terms() < 2 {
+        return None;
+    }
+    let parts = (point.given_terms..point.terms.len()).map(|term| point.without(term));
+    let known = parts.filter_map(|part| pool.like(&part));
+    let mut all = std::iter::once(pool.baseline()).chain(known);
+    all.find(|own| !own.is_learned() && !pool.is_extended(own, Table::Learned))
+        .cloned()
 }
 
 /// The first structure, from few effects to many, that is in the beam of its number of effects and not extended
