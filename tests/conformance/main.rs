@@ -7,9 +7,10 @@ mod concealed;
 mod curves;
 mod damper;
 mod delays;
+mod heard;
 mod machines;
 mod sets;
-mod tachometer;
+
 mod untidy;
 
 use concealed::{conceal, conceal_all, typical};

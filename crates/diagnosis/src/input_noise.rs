@@ -1,4 +1,4 @@
-//! Noise of the recorded input, as a part of the noise of the outputs.
+//! Noise of the recorded input and of known forces, as a part of the noise of the outputs.
 //!
 //! A simulation carries the noise of a measured motion through the chain: a mode of damping ratio 0.03 makes it
 //! seventeen times as loud at its own frequency. Let `h` be the response of an output's rows to the noise of one
@@ -23,8 +23,9 @@ use super::input_error::noise;
 use super::point::Point;
 use super::problem::Problem;
 use super::whitening::{Innovation, Whitening};
-use quell_model::InputError;
+use quell_model::{Experiment, InputError};
 use quell_signal::polynomial;
+use std::cell::LazyCell;
 
 /// Places of a recording, as shares of its length, at which the response is taken: an error between the nodes
 /// of a smoothed input moves the chain less than one at a node.
@@ -32,6 +33,8 @@ const PLACES: [f64; 3] = [0.17, 0.31, 0.52];
 /// Lags over which the poles of a response are fitted. A response has lost its smoothing by then and is still
 /// ringing.
 const LAGS: usize = 400;
+/// Poles of noise without a moving average: enough for a mode beside white noise of a hundredth of its variance.
+const POLES: usize = 40;
 /// Most steps of the innovations algorithm: a moving average of a mode forgets within a period.
 const STEPS: usize = 1000;
 /// Spectral density of the heard noise at its peak, relative to that of the sensor's innovations, below which it is ignored:
@@ -53,50 +56,104 @@ impl Problem<'_> {
             .flatten()
     }
 
-    /// The noise of every output of an experiment with that of its input, at a point; `own` is the sensors'.
+    /// The noise of every output of an experiment with that of what drives it, at a point; `own` is the sensors'.
     pub fn with_input_noise(&self, point: &Point, e: usize, own: &[Whitening]) -> Vec<Whitening> {
-        let Some(deviation) = self.heard_input_noise(e) else {
-            return own.to_vec();
-        };
-        let experiment = &self.experiments[e];
-        let here = self.run(point, e).residuals;
-        let inputs = &experiment.input_values;
-        let adds_up = matches!(InputError::of(experiment), InputError::Walk(_));
-        let responses = PLACES.map(|place| {
-            let mut other = inputs.clone();
-            let from = (place * inputs.len() as f64) as usize;
-            let until = if adds_up { inputs.len() } else { from + 1 };
-            other[from..until].iter_mut().for_each(|u| *u += deviation);
-            self.response_to_input((point, &here), e, other)
-        });
-        let both = own.iter().enumerate().map(|(k, own)| {
-            let output = &experiment.outputs[k];
-            let often = inputs.len() as f64 / output.values.len() as f64;
-            let walks = adds_up && output.role.is_position();
-            let of = |lag: usize| {
-                let each = responses.iter().map(|rows| match walks {
-                    true => product(&differences(&rows[k]), lag),
-                    false => product(&rows[k], lag),
-                });
-                each.sum::<f64>() * often / PLACES.len() as f64
-            };
-            let heard: Vec<f64> = (0..=LAGS).map(of).collect();
-            if walks {
-                let steps = often * output.values.len() as f64;
-                let both = walking(own, &heard);
-                return both.map_or_else(
-                    || own.clone(),
-                    |both| Whitening {
-                        deviation: own.deviation.hypot(deviation * (steps / 6.0).sqrt()),
-                        ..both
-                    },
-                );
+        let heard = self.heard(point, e);
+        let outputs = own.iter().zip(&self.experiments[e].outputs).enumerate();
+        let both = outputs.map(|(k, (own, output))| {
+            let samples = output.values.len() as f64;
+            let adds_up = |heard: &&Heard| heard.adds_up && output.role.is_position();
+            let walks = heard.iter().any(|own| adds_up(&own));
+            let mut covariance = vec![0.0; LAGS + 1];
+            for own in &heard {
+                own.add_to(&mut covariance, (k, walks), samples);
             }
-            let peak = 2.0 * heard.iter().map(|c| c.abs()).sum::<f64>();
-            let both = (peak > UNHEARD * own.innovation.powi(2)).then(|| beside(own, &heard));
+            if walks {
+                // The variance of a walk about its mean.
+                let walked = heard.iter().filter(adds_up);
+                let walked = walked.map(|own| own.deviation.powi(2) * own.samples / 6.0);
+                let deviation = (own.deviation.powi(2) + walked.sum::<f64>()).sqrt();
+                let both = walking(own, &covariance);
+                return both.map_or_else(|| own.clone(), |both| Whitening { deviation, ..both });
+            }
+            let peak = 2.0 * covariance.iter().map(|c| c.abs()).sum::<f64>();
+            let both = (peak > UNHEARD * own.innovation.powi(2)).then(|| beside(own, &covariance));
             both.flatten().unwrap_or_else(|| own.clone())
         });
         both.collect()
+    }
+
+    /// What the outputs of an experiment hear of the noise of its input and of its known forces, at a point.
+    fn heard(&self, point: &Point, e: usize) -> Vec<Heard> {
+        let experiment = &self.experiments[e];
+        let here = LazyCell::new(|| self.run(point, e).residuals);
+        let mut all = Vec::new();
+        if let Some(deviation) = self.heard_input_noise(e) {
+            let inputs = &experiment.input_values;
+            let adds_up = matches!(InputError::of(experiment), InputError::Walk(_));
+            let response = |place: f64| {
+                let mut other = inputs.clone();
+                let from = (place * inputs.len() as f64) as usize;
+                let until = if adds_up { inputs.len() } else { from + 1 };
+                other[from..until].iter_mut().for_each(|u| *u += deviation);
+                self.response_to_input((point, &here), e, other)
+            };
+            all.push(Heard {
+                samples: inputs.len() as f64,
+                deviation,
+                adds_up,
+                responses: PLACES.map(response),
+            });
+        }
+        let known = &experiment.known;
+        let forces = known.noise_of_forces().into_iter().enumerate();
+        // The errors of a force on an axis that nothing brings back add up, and windows forget them.
+        let forces = forces.filter(|own| own.1.1 > 0.0 && experiment.windows.is_empty());
+        all.extend(forces.map(|(force, (samples, deviation))| {
+            let response = |place: f64| {
+                let sample = (place * samples as f64) as usize;
+                let other = Experiment {
+                    known: known.with_force_changed(force, sample, deviation),
+                    ..experiment.clone()
+                };
+                self.response_to((point, &here), e, other)
+            };
+            Heard {
+                samples: samples as f64,
+                deviation,
+                adds_up: false,
+                responses: PLACES.map(response),
+            }
+        }));
+        all
+    }
+}
+
+/// What the outputs hear of a noise.
+struct Heard {
+    /// Number of its samples.
+    samples: f64,
+    /// Standard deviation of a sample.
+    deviation: f64,
+    /// Whether a sample acts until the end.
+    adds_up: bool,
+    /// Responses of the rows of each output to a sample of this size, at each of the places.
+    responses: [Vec<Vec<f64>>; PLACES.len()],
+}
+
+impl Heard {
+    /// Adds the autocovariance of what an output of so many samples hears, or of its differences.
+    fn add_to(&self, covariance: &mut [f64], (output, walks): (usize, bool), samples: f64) {
+        let share = self.samples / samples / PLACES.len() as f64;
+        for rows in &self.responses {
+            let rows = match walks {
+                true => differences(&rows[output]),
+                false => rows[output].clone(),
+            };
+            for (lag, sum) in covariance.iter_mut().enumerate() {
+                *sum += share * product(&rows, lag);
+            }
+        }
     }
 }
 
@@ -141,7 +198,38 @@ fn together(own: &Whitening, response: &[f64], heard: &[f64], more: usize) -> Op
     let ringing = poles_of(heard)
         .map(|mode| Filtered::new(&covariance, polynomial::product(&poles, &mode), order));
     let least = ringing.filter(|own| own.left_out() < still.left_out());
-    least.unwrap_or(still).whitening()
+    let whitening = least.unwrap_or(still).whitening();
+    whitening.or_else(|| autoregressive(&covariance))
+}
+
+/// Noise of poles alone that has this autocovariance up to their number, by the recursion of Levinson and Durbin: where no
+/// moving average has it, as where the response still rings after the last lag. `None` of no noise.
+///
+/// Source: Brockwell and Davis (1991), section 5.2.
+fn autoregressive(covariance: &[f64]) -> Option<Whitening> {
+    let (mut a, mut error) = (Vec::<f64>::new(), covariance[0]);
+    for order in 1..=POLES {
+        let known = a.iter().enumerate();
+        let known: f64 = known.map(|(k, a)| a * covariance[order - 1 - k]).sum();
+        let reflection = (covariance[order] - known) / error;
+        let left = error * (1.0 - reflection * reflection);
+        if left.is_nan() || left <= 0.0 {
+            break;
+        }
+        let before = a.clone();
+        for (a, mirrored) in a.iter_mut().zip(before.iter().rev()) {
+            *a -= reflection * mirrored;
+        }
+        a.push(reflection);
+        error = left;
+    }
+    (error > 0.0).then(|| Whitening {
+        coefficients: a,
+        moving_average: Vec::new(),
+        innovation: error.sqrt(),
+        deviation: covariance[0].sqrt(),
+        walks: false,
+    })
 }
 
 /// Noise whose autoregressive part is filtered out.

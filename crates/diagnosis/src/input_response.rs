@@ -2,17 +2,28 @@
 
 use super::point::Point;
 use super::problem::Problem;
+use quell_model::Experiment;
 
 impl Problem<'_> {
     /// Change of the residuals of an experiment, which are `here` at a point, where its input has these values.
     pub fn response_to_input(
         &self,
-        (point, here): (&Point, &[Vec<f64>]),
+        at: (&Point, &[Vec<f64>]),
         e: usize,
         values: Vec<f64>,
     ) -> Vec<Vec<f64>> {
+        self.response_to(at, e, self.experiments[e].with_input(values))
+    }
+
+    /// Change of the residuals of an experiment, which are `here` at a point, where it is driven as another one.
+    pub fn response_to(
+        &self,
+        (point, here): (&Point, &[Vec<f64>]),
+        e: usize,
+        other: Experiment,
+    ) -> Vec<Vec<f64>> {
         let mut experiments = self.experiments.to_vec();
-        experiments[e] = self.experiments[e].with_input(values);
+        experiments[e] = other;
         let moved = Problem {
             experiments: &experiments,
             ..self.clone()

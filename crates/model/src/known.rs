@@ -15,7 +15,7 @@ use super::chain::{Chain, ForceElement, Linear, MotorSide};
 use super::{ExperimentError, Model};
 use crate::effects::{Force, Inertia, Memory, Motion, Place};
 use quell_recording::{Channel, Recording, Role};
-use quell_signal::SignalError;
+use quell_signal::{CubicSpline, End, SignalError, noise_floor};
 use std::sync::Arc;
 
 /// The known forces and the known inertia of one recording.
@@ -72,6 +72,28 @@ impl Known {
     /// Whether the absolute inertia is known, and not only its relative change.
     pub fn says_inertia(&self) -> bool {
         self.inertia.as_ref().is_some_and(|own| !own.relative)
+    }
+
+    /// Number of samples and standard deviation of the noise of each known force.
+    pub fn noise_of_forces(&self) -> Vec<(usize, f64)> {
+        let of = |own: &Arc<Series>| {
+            (
+                own.values.len(),
+                noise_floor(&own.values).standard_deviation,
+            )
+        };
+        self.forces.iter().map(of).collect()
+    }
+
+    /// The same with a sample of a known force changed.
+    #[must_use]
+    pub fn with_force_changed(&self, force: usize, sample: usize, by: f64) -> Self {
+        let mut other = self.clone();
+        let own = &self.forces[force];
+        let mut values = own.values.clone();
+        values[sample] += by;
+        other.forces[force] = Arc::new(Series::new(own.time.clone(), values));
+        other
     }
 
     /// Factor on the fastest natural frequency at the least of the known inertia.
@@ -147,15 +169,19 @@ impl Series {
         let (time, values) = (&channel.time, &channel.columns[0]);
         // A spline refuses invalid series: fewer than two samples, values that are not finite, times that do
         // not advance.
-        quell_signal::CubicSpline::new(time, values, quell_signal::End::Natural)?;
+        CubicSpline::new(time, values, End::Natural)?;
+        Ok(Self::new(time.clone(), values.clone()))
+    }
+
+    fn new(time: Vec<f64>, values: Vec<f64>) -> Self {
         let slope = |k: usize| (values[k + 1] - values[k]) / (time[k + 1] - time[k]);
         let last = time.len() - 1;
-        Ok(Self {
-            time: time.clone(),
-            values: values.clone(),
+        Self {
             slopes: (0..last).map(slope).collect(),
             rate: last as f64 / (time[last] - time[0]),
-        })
+            time,
+            values,
+        }
     }
 
     #[inline]
