@@ -138,7 +138,7 @@ async fn answer(mut ends: EngineEnds) {
                     duration_s: Some(0.1),
                 }],
             }),
-            Request::Enable | Request::Disable | Request::Reset => Ok(Accepted::Enabling {
+            Request::Enable | Request::Disable | Request::Reset => Ok(Accepted::EnableState {
                 state: EnableState::Disabled,
             }),
             Request::Payload { mass } if mass > 1.0 => value("mass_kg", mass),

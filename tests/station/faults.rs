@@ -65,7 +65,7 @@ fn moves_again(world: &mut World, rests: f64) {
     assert!((at - rests).abs() < 1e-9, "{at} {rests}");
     world.ask(Request::Enable);
     let answered = world.steps(100);
-    let enabled = Accepted::Enabling {
+    let enabled = Accepted::EnableState {
         state: EnableState::Enabled,
     };
     assert_eq!(answered[0].answer, Ok(enabled));

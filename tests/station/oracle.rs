@@ -96,7 +96,7 @@ impl Oracle {
                 self.licence = Licence::Stop { until };
                 self.obeyed = answered.number;
             }
-            (_, Ok(Accepted::Enabling { state })) => {
+            (_, Ok(Accepted::EnableState { state })) => {
                 self.enabled = *state == EnableState::Enabled;
                 if answered.request == Request::Disable {
                     self.stop_within(now);
