@@ -37,6 +37,7 @@ pub struct Found {
 
 /// The reported explanation of a pool.
 pub struct Told {
+    /// The explanation; the baseline where no effect is reported.
     pub best: Explanation,
     /// The best explanation without each of its effects.
     ablated: Vec<Explanation>,

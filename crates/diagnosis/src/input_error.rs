@@ -5,8 +5,8 @@ use rand::Rng;
 use rand_distr::StandardNormal;
 use std::ops::Range;
 
-/// Standard deviation of the part of an error that is drawn anew with each sample. Of a rounding that is the part where the values move by
-/// more than a step per sample, a share `p` of all: its mean variance is `p q^2 / 12`.
+/// Standard deviation of the part of an error that is drawn anew with each sample. Of a rounding that is the part where the
+/// values move by more than a step per sample, a share `p` of all: its mean variance is `p q^2 / 12`.
 ///
 /// Source: Widrow and Kollar, Quantization Noise (2008), chapters 4 and 5.
 pub fn noise(error: InputError, values: &[f64]) -> Option<f64> {

@@ -85,9 +85,10 @@ impl Problem<'_> {
 
     /// What the outputs of an experiment hear of the noise of its input and of its known forces, at a point.
     fn heard(&self, point: &Point, e: usize) -> Vec<Heard> {
-        let experiment = &self.experiments[e];
         let here = LazyCell::new(|| self.run(point, e).residuals);
-        let mut all = Vec::new();
+        let respond = |other| self.response_to((point, &here), e, other);
+        let experiment = &self.experiments[e];
+        let mut all = heard_of_forces(experiment, &respond);
         if let Some(deviation) = self.heard_input_noise(e) {
             let inputs = &experiment.input_values;
             let adds_up = matches!(InputError::of(experiment), InputError::Walk(_));
@@ -96,7 +97,7 @@ impl Problem<'_> {
                 let from = (place * inputs.len() as f64) as usize;
                 let until = if adds_up { inputs.len() } else { from + 1 };
                 other[from..until].iter_mut().for_each(|u| *u += deviation);
-                self.response_to_input((point, &here), e, other)
+                respond(experiment.with_input(other))
             };
             all.push(Heard {
                 samples: inputs.len() as f64,
@@ -105,26 +106,6 @@ impl Problem<'_> {
                 responses: PLACES.map(response),
             });
         }
-        let known = &experiment.known;
-        let forces = known.noise_of_forces().into_iter().enumerate();
-        // The errors of a force on an axis that nothing brings back add up, and windows forget them.
-        let forces = forces.filter(|own| own.1.1 > 0.0 && experiment.windows.is_empty());
-        all.extend(forces.map(|(force, (samples, deviation))| {
-            let response = |place: f64| {
-                let sample = (place * samples as f64) as usize;
-                let other = Experiment {
-                    known: known.with_force_changed(force, sample, deviation),
-                    ..experiment.clone()
-                };
-                self.response_to((point, &here), e, other)
-            };
-            Heard {
-                samples: samples as f64,
-                deviation,
-                adds_up: false,
-                responses: PLACES.map(response),
-            }
-        }));
         all
     }
 }
@@ -155,6 +136,33 @@ impl Heard {
             }
         }
     }
+}
+
+/// What the outputs hear of the noise of known forces; `respond` has the change of the residuals of another experiment.
+fn heard_of_forces(
+    experiment: &Experiment,
+    respond: impl Fn(Experiment) -> Vec<Vec<f64>>,
+) -> Vec<Heard> {
+    let known = &experiment.known;
+    let heard = |(force, (samples, deviation)): (usize, (usize, f64))| {
+        // The errors of a force on an axis that nothing brings back add up, and windows forget them.
+        let is_heard = deviation > 0.0 && experiment.windows.is_empty();
+        let response = |place: f64| {
+            let sample = (place * samples as f64) as usize;
+            respond(Experiment {
+                known: known.with_force_changed(force, sample, deviation),
+                ..experiment.clone()
+            })
+        };
+        is_heard.then(|| Heard {
+            samples: samples as f64,
+            deviation,
+            adds_up: false,
+            responses: PLACES.map(response),
+        })
+    };
+    let forces = known.noise_of_forces().into_iter().enumerate();
+    forces.filter_map(heard).collect()
 }
 
 /// `sum_i x_i x_(i+lag)`.
