@@ -88,7 +88,7 @@ impl Problem<'_> {
         let here = LazyCell::new(|| self.run(point, e).residuals);
         let respond = |other| self.response_to((point, &here), e, other);
         let experiment = &self.experiments[e];
-        let mut all = heard_of_forces(experiment, &respond);
+        let mut all = heard_of_forces(experiment, respond);
         if let Some(deviation) = self.heard_input_noise(e) {
             let inputs = &experiment.input_values;
             let adds_up = matches!(InputError::of(experiment), InputError::Walk(_));
