@@ -8,6 +8,7 @@ use super::pool::Pool;
 use super::search::Search;
 use super::thresholds::CREDIBLE;
 use super::units::{told_in, units};
+use quell_model::Term;
 use quell_model::effects::ParameterRole;
 use std::f64::consts::TAU;
 
@@ -222,9 +223,11 @@ impl Found {
         let is_turn = own.effect.parameters[parameter].role == ParameterRole::Phase;
         let square = |(other, weight): &(Explanation, f64)| {
             let terms = &other.fitted.point.terms;
-            let like = terms
-                .iter()
-                .find(|term| term.identity() == own.identity())?;
+            // A learned law of another number of knots has other parameters.
+            let is_like = |term: &&Term| {
+                term.identity() == own.identity() && term.values.len() == own.values.len()
+            };
+            let like = terms.iter().find(is_like)?;
             let away = like.values[parameter] - own.values[parameter];
             let away = if is_turn {
                 away - TAU * (away / TAU).round()
