@@ -22,7 +22,7 @@
 use super::input_error::noise;
 use super::point::Point;
 use super::problem::Problem;
-use super::whitening::{Innovation, Whitening};
+use super::whitening::{Innovation, Whitening, differences};
 use quell_model::{Experiment, InputError};
 use quell_signal::polynomial;
 use std::cell::LazyCell;
@@ -168,11 +168,6 @@ fn heard_of_forces(
 /// `sum_i x_i x_(i+lag)`.
 fn product(x: &[f64], lag: usize) -> f64 {
     x.iter().zip(x.iter().skip(lag)).map(|(a, b)| a * b).sum()
-}
-
-/// Differences of neighbouring values.
-fn differences(values: &[f64]) -> Vec<f64> {
-    values.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
 /// A sensor's noise with noise of an autocovariance beside it; `None` where it cannot be whitened.

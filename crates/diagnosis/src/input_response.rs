@@ -5,16 +5,6 @@ use super::problem::Problem;
 use quell_model::Experiment;
 
 impl Problem<'_> {
-    /// Change of the residuals of an experiment, which are `here` at a point, where its input has these values.
-    pub fn response_to_input(
-        &self,
-        at: (&Point, &[Vec<f64>]),
-        e: usize,
-        values: Vec<f64>,
-    ) -> Vec<Vec<f64>> {
-        self.response_to(at, e, self.experiments[e].with_input(values))
-    }
-
     /// Change of the residuals of an experiment, which are `here` at a point, where it is driven as another one.
     pub fn response_to(
         &self,

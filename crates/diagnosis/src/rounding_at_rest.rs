@@ -85,7 +85,7 @@ impl Problem<'_> {
             for value in &mut other[rest] {
                 *value += step / 12f64.sqrt();
             }
-            self.response_to_input((point, here), e, other)
+            self.response_to((point, here), e, experiment.with_input(other))
         };
         rests.map(response).collect()
     }

@@ -175,8 +175,7 @@ impl Whitening {
     pub fn apply(&self, values: &[f64], rows: &mut Vec<f64>) {
         if self.walks {
             rows.extend(values.first().map(|first| first / self.deviation));
-            let differences: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-            return self.apply_still(&differences, rows);
+            return self.apply_still(&differences(values), rows);
         }
         self.apply_still(values, rows);
     }
@@ -229,6 +228,11 @@ impl Whitening {
         self.summed(&mut own);
         own
     }
+}
+
+/// Differences of neighbouring values.
+pub fn differences(values: &[f64]) -> Vec<f64> {
+    values.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
 impl Innovation {

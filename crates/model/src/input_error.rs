@@ -25,15 +25,15 @@ impl InputError {
     /// The error of an experiment's input. The noise of a force or a current drove the machine, so that only
     /// the rounding of its record is an error.
     pub fn of(experiment: &Experiment) -> Self {
-        let values = &experiment.input_values;
-        let noise = noise_std(values).unwrap_or(0.0);
-        let measured = is_measured_motion(experiment.input);
         if let Some(step) = experiment.input_walk {
             return match step > 0.0 {
                 true => Self::Walk(step),
                 false => Self::None,
             };
         }
+        let values = &experiment.input_values;
+        let noise = noise_std(values).unwrap_or(0.0);
+        let measured = is_measured_motion(experiment.input);
         match quantum(values) {
             _ if experiment.input == Role::CommandPosition => Self::None,
             Some(step) if noise <= ROUNDED * step || !measured => Self::Rounding(step),
