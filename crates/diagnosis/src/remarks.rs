@@ -57,11 +57,12 @@ pub fn of_outputs(problem: &Problem, found: &Found) -> Vec<String> {
     remarks
 }
 
-/// The largest noise of a velocity that was integrated, at the end of its recording.
+/// The largest noise of a velocity that was integrated, at the end of its recording; `None` where it shows none.
 fn walk(problem: &Problem) -> Option<String> {
     let walks = problem.experiments.iter().filter_map(|own| {
         let steps = own.input_values.len() as f64;
-        Some((own.input_walk? * steps.sqrt(), own))
+        let step = own.input_walk.filter(|step| *step > 0.0)?;
+        Some((step * steps.sqrt(), own))
     });
     let (most, own) = walks.max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(format!(

@@ -79,7 +79,9 @@ impl Search<'_> {
             return false;
         }
         (self.progress)(0.5, "looking for a further effect");
-        match next_to_learn(pool, &next) {
+        // Where only noise is left there will be no third law, which a learned one should precede.
+        let part = (!self.leaves_noise(&next)).then(|| next_to_learn(pool, &next));
+        match part.flatten() {
             Some(part) => self.extend_by(pool, &part, Table::Learned),
             None => self.extend_by(pool, &next, Table::Named),
         }
