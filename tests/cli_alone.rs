@@ -767,7 +767,7 @@ fn rounded_stamps_of_another_rate_make_no_modes_and_are_remarked_upon() {
     assert!(
         found["remarks"]
             .to_string()
-            .contains("its stamps are mostly 100.00 Hz apart"),
+            .contains("its stamps are rounded to 0.01 s: together they tell 93."),
         "{found}"
     );
 }

@@ -6,12 +6,14 @@ mod clipped;
 mod clock;
 mod remarks;
 mod resolution;
+mod rounded;
 mod stretches;
 
 pub use clipped::{Clipped, clipped, clipped_axes};
 pub use clock::{Clock, Gap, clock};
 pub use remarks::{JITTER, at_limit, mixed_rates, remarks};
 pub use resolution::{is_rounding, noise_std, quantum, shows_noise};
+pub use rounded::Rounded;
 pub use stretches::{Flat, FlatKind, flats, spikes, wraps};
 
 use super::Channel;
@@ -77,7 +79,7 @@ pub fn health(channel: &Channel) -> Health {
 }
 
 /// The middle value (the upper one of an even number), 0 where there is none.
-fn median(mut values: Vec<f64>) -> f64 {
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
     let middle = values.len() / 2;
     if values.is_empty() {
         return 0.0;

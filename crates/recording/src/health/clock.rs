@@ -1,6 +1,6 @@
 //! A channel's clock: period, jitter, gaps.
 
-use super::median;
+use super::{Rounded, median};
 
 /// Figures of a clock, s.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,7 +11,7 @@ pub struct Clock {
     pub start: f64,
     /// Last stamp minus the first.
     pub duration: f64,
-    /// Median interval; 0 for a single sample.
+    /// Median interval; of even stamps that are rounded the middle of the periods that they can be of. 0 for a single sample.
     pub period: f64,
     /// Root mean square of interval minus period, gaps left out.
     pub jitter: f64,
@@ -21,6 +21,8 @@ pub struct Clock {
     pub gaps: Vec<Gap>,
     /// Samples that the gaps would hold.
     pub missing: usize,
+    /// What even stamps that are rounded tell of their rate.
+    pub rounded: Option<Rounded>,
 }
 
 /// A hole in a clock.
@@ -44,7 +46,8 @@ pub struct Gap {
 /// ```
 pub fn clock(time: &[f64]) -> Clock {
     let intervals: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let period = median(intervals.clone());
+    let rounded = Rounded::of(time);
+    let period = rounded.map_or_else(|| median(intervals.clone()), |own| own.rate().recip());
     let mut clock = Clock {
         samples: time.len(),
         start: time.first().copied().unwrap_or(0.0),
@@ -54,10 +57,12 @@ pub fn clock(time: &[f64]) -> Clock {
         worst_jitter: 0.0,
         gaps: Vec::new(),
         missing: 0,
+        rounded,
     };
     for (interval, pair) in intervals.iter().zip(time.windows(2)) {
         let periods = (interval / period).round();
-        if periods >= 2.0 {
+        // A rounded interval may be twice the period of a fast sensor.
+        if periods >= 2.0 && rounded.is_none() {
             let missing = periods as usize - 1;
             clock.gaps.push(Gap {
                 from: pair[0],
@@ -90,8 +95,8 @@ impl Clock {
         (self.duration > 0.0).then(|| (self.samples - 1) as f64 / self.duration)
     }
 
-    /// Samples per second where there is no gap, by the first and the last stamp: rounding of a stamp makes the
-    /// period of a fast sensor, which is one interval, uncertain by a rounding step. `None` for a single sample.
+    /// Samples per second where there is no gap: by [`Rounded`] of even stamps that are rounded, else by the first and the last stamp,
+    /// as the period of a fast sensor, which is one interval, is uncertain by a rounding step. `None` for a single sample.
     ///
     /// # Example
     /// ```
@@ -101,17 +106,23 @@ impl Clock {
     /// assert!((figures.rate().unwrap() - 3200.0).abs() < figures.rate_std().unwrap());
     /// ```
     pub fn rate(&self) -> Option<f64> {
+        if let Some(rounded) = self.rounded {
+            return Some(rounded.rate());
+        }
         let periods = (self.samples.saturating_sub(1) as f64) + self.missing as f64;
         (self.duration > 0.0).then(|| periods / self.duration)
     }
 
     /// Standard deviation of [`Self::rate`]: the jitter is that of an interval, so of the difference of any two
-    /// independent stamps.
+    /// independent stamps. Of even stamps that are rounded by [`Rounded::rate_std`].
     pub fn rate_std(&self) -> Option<f64> {
+        if let Some(rounded) = self.rounded {
+            return Some(rounded.rate_std());
+        }
         Some(self.rate()? * self.jitter / self.duration)
     }
 
-    /// One over the median interval, samples per second; `None` for a single sample.
+    /// One over [`Self::period`], samples per second; `None` for a single sample.
     pub fn usual_rate(&self) -> Option<f64> {
         (self.period > 0.0).then(|| 1.0 / self.period)
     }

@@ -1,6 +1,6 @@
 //! Remarks on problems of a channel.
 
-use super::{Clipped, ColumnHealth, Flat, FlatKind, Health, clipped};
+use super::{Clipped, Clock, ColumnHealth, Flat, FlatKind, Health, clipped};
 use crate::{Channel, Unit, axis_name, plain};
 
 /// Jitter, as a share of the period, above which there is a remark. A stamp that is off by j shifts a sample by
@@ -42,14 +42,29 @@ pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
     remarks
 }
 
-/// A sentence, without a full stop, on stamps whose usual distance is not that of as many samples a second.
+/// A sentence, without a full stop, on stamps whose usual distance is not that of as many samples a second, or that are rounded by more
+/// than [`JITTER`] allows.
 pub fn mixed_rates(time: &[f64]) -> Option<String> {
     let clock = super::clock::clock(time);
+    if let Some(rounded) = clock.rounded {
+        let [least, greatest] = rounded.rates.map(|rate| format!("{rate:.2}"));
+        let told = match least == greatest {
+            true => format!("{least} samples a second"),
+            false => format!("{least} to {greatest} samples a second"),
+        };
+        let step = plain(rounded.step);
+        return is_jittery(&clock)
+            .then(|| format!("its stamps are rounded to {step} s: together they tell {told}"));
+    }
     let (usual, mean) = clock.usual_rate().zip(clock.mean_rate())?;
     let differ = (mean / usual - 1.0).abs() > JITTER && !matches!(clock.gaps[..], [_]);
     differ.then(|| {
         format!("its stamps are mostly {usual:.2} Hz apart, but it has {mean:.2} samples a second")
     })
+}
+
+fn is_jittery(clock: &Clock) -> bool {
+    clock.jitter > JITTER * clock.period
 }
 
 fn clock(time: &[f64], health: &Health, remarks: &mut Vec<String>) {
@@ -73,7 +88,7 @@ fn clock(time: &[f64], health: &Health, remarks: &mut Vec<String>) {
         ));
     }
     remarks.extend(mixed_rates(time));
-    if clock.jitter > JITTER * clock.period {
+    if is_jittery(clock) && clock.rounded.is_none() {
         remarks.push(format!(
             "the clock jitters by {:.1} % of its period (root mean square; worst {:.1} %)",
             100.0 * clock.jitter / clock.period,
