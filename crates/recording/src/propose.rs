@@ -10,6 +10,7 @@ mod drives;
 #[cfg(test)]
 mod exports;
 mod form;
+mod gyroscope;
 mod inertial;
 mod joint;
 mod joint_states;

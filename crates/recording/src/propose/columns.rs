@@ -5,7 +5,7 @@ use super::Guess;
 use super::clock::Clock;
 use super::column::Column;
 use super::content::Content;
-use super::{joint, roles, units, usual_unit};
+use super::{gyroscope, joint, roles, units, usual_unit};
 use crate::Wrap;
 
 /// Most columns that are asked for, and most letters of a cell that are shown.
@@ -151,7 +151,11 @@ impl Channels {
                 let unit = told.map_or(String::new(), |unit| unit.names[0].to_owned());
                 let role = match certain {
                     true => Guess::known(role),
-                    false => Guess::guessed(role, format!("by the name {:?}", column.title)),
+                    false => {
+                        let by_name = || format!("by the name {:?}", column.title);
+                        let why = gyroscope::why(content, index);
+                        Guess::guessed(role, why.unwrap_or_else(by_name))
+                    }
                 };
                 let unit = Guess::known(unit);
                 self.found.push(Channel {

@@ -33,6 +33,16 @@ pub fn axis(name: &Name) -> Option<(usize, Option<&'static str>)> {
     })
 }
 
+/// The axis about which a column has a rate of turn, by its name: 0, 1 or 2. `wx` is one, as in the files of Physics Toolbox; `roll` may be
+/// a joint of a robot where no word tells a rate.
+pub fn turns_about(name: &Name) -> Option<usize> {
+    let last = name.words.last()?.as_str();
+    let has = |word: &String| RATES.contains(&word.as_str());
+    let is_told = name.words.iter().any(has) || last.starts_with('w');
+    let axis = TURNS.iter().position(|words| words.contains(&last));
+    axis.filter(|_| is_told)
+}
+
 /// Whether a column has a rate or an angle about an axis of an accelerometer that stands in the same file with several axes:
 /// they are of one body, and of no joint.
 pub fn is_of_accelerometer(content: &Content, index: usize) -> bool {

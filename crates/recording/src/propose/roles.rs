@@ -3,7 +3,7 @@
 use super::super::role::Role;
 use super::super::unit::Dimension;
 use super::content::Content;
-use super::{drives, inertial, robots, siemens, tool};
+use super::{drives, gyroscope, inertial, robots, siemens, tool};
 
 /// The role of a column, and whether it is certain.
 pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
@@ -21,6 +21,11 @@ pub fn role(content: &Content, index: usize) -> Option<(Role, bool)> {
     }
     if inertial::axis(name).is_some() {
         return Some((Role::TipAcceleration, true));
+    }
+    if let Some(axis) = gyroscope::role(content, index)
+        && !inertial::is_of_accelerometer(content, index)
+    {
+        return axis;
     }
     let own = by_name(content, index)
         .filter(|own| own.1 || !inertial::is_of_accelerometer(content, index));
