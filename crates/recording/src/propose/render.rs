@@ -259,3 +259,33 @@ fn name(content: &Content) -> String {
         .to_string_lossy()
         .into_owned()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::propose;
+
+    #[test]
+    fn a_known_force_beside_that_of_a_loop_is_of_the_same_run() {
+        let rows: String = (0..300)
+            .map(|k| format!("{},{},{}\n", 1e-3 * f64::from(k), k % 9, k / 150))
+            .collect();
+        let folder = tempfile::tempdir().unwrap();
+        for (file, names) in [
+            ("position.csv", "time_s,motor_position_m,link_position_m"),
+            ("forces.csv", "time_s,force_N,extra_force_N"),
+        ] {
+            std::fs::write(folder.path().join(file), format!("{names}\n{rows}")).unwrap();
+        }
+        let told = propose(folder.path()).unwrap();
+        assert_eq!((told.manifests.len(), told.open.len()), (1, 0));
+        let words = [
+            "role = \"force\"",
+            "role = \"known_force\"",
+            "column = \"extra_force_N\"",
+        ];
+        assert!(
+            words.iter().all(|own| told.manifests[0].text.contains(own)),
+            "{told:?}"
+        );
+    }
+}

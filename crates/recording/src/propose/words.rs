@@ -57,6 +57,9 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
         &["voltage", "volts", "spannung"],
         true,
     ),
+    // Beside what a loop commands: `extra_force`.
+    (Role::KnownForce, &["force"], EXTRA, true),
+    (Role::KnownForce, &["torque"], EXTRA, true),
     (
         Role::Torque,
         &[],
@@ -218,6 +221,9 @@ pub const WORDS: &[(Role, &[&str], &[&str], bool)] = &[
         false,
     ),
 ];
+
+/// Words for a force that acts besides those that the machine makes, and is known.
+const EXTRA: &[&str] = &["extra", "additional", "known"];
 
 /// Words that tell two signals of one joint apart: how they were made, or which of its sensors they are of.
 pub const BESIDE: &[&str] = &[
