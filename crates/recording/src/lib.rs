@@ -53,6 +53,7 @@ mod resolution;
 mod role;
 mod sink;
 mod stamp;
+mod stamp_wraps;
 mod syntax;
 mod table;
 mod toml_keys;

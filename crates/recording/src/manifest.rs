@@ -61,6 +61,9 @@ struct Entry {
     /// `05/03/2024 12:01:02 PM`, or `iec` for durations of controllers as `T#1s4ms`; `s` where absent. With this key stamps since an epoch are told from the first one's whole
     /// second on, and a time of day goes on over midnight. Not for MCAP.
     time_unit: Option<Spanned<String>>,
+    /// Period of the stamps in their own unit, as 4294967296 of microseconds in 32 bits: their counter begins again there, and they go on.
+    /// For stamps that are numbers; not for MCAP.
+    time_wrap: Option<Spanned<f64>>,
     /// Samples a second, Hz, instead of `time`; not for MCAP.
     rate_hz: Option<Spanned<f64>>,
     /// Column of the values.

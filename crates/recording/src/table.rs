@@ -9,6 +9,7 @@ use super::carries::LARGEST;
 use super::error::{Problem, RecordingError};
 use super::layout::Layout;
 use super::stamp::{Origin, TimeUnit};
+use super::stamp_wraps;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use text::{count_line_ends, first_row, line_start, single_spaces};
@@ -174,7 +175,8 @@ impl Table {
     }
 
     /// The same where only some rows are used, and only these need to advance: the time may begin again with each test. In a
-    /// unit of time, if it is given; stamps since an epoch are then relative to `origin`, which the first file sets.
+    /// unit of time, if it is given; stamps since an epoch are then relative to `origin`, which the first file sets. Where they are of a
+    /// counter, they go on where it begins again, after `wrap` s.
     ///
     /// # Errors
     /// As [`Self::stamps`].
@@ -182,12 +184,16 @@ impl Table {
         &self,
         name: &str,
         unit: Option<(TimeUnit, &mut Origin)>,
+        wrap: Option<f64>,
         rows: Range<usize>,
     ) -> Result<Vec<f64>, RecordingError> {
-        let stamps = match unit {
+        let mut stamps = match unit {
             None => self.numbers(&[name])?.swap_remove(0),
             Some((unit, origin)) => self.told_in(name, unit, origin)?,
         };
+        if let Some(period) = wrap {
+            stamp_wraps::go_on(&mut stamps, period);
+        }
         self.advances(self.index(name)?, &stamps, rows)?;
         Ok(stamps)
     }

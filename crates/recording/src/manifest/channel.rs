@@ -22,11 +22,7 @@ impl Source<'_> {
         if scale == Some(0.0) {
             return Err(self.at(start(&entry.scale), key("scale", "it is 0")));
         }
-        let wrap = self.finite("wrap", &entry.wrap)?;
-        if let Some(period) = wrap.filter(|period| *period <= 0.0) {
-            let problem = key("wrap", format!("{period} is not above 0"));
-            return Err(self.at(start(&entry.wrap), problem));
-        }
+        let wrap = self.positive("wrap", &entry.wrap)?;
         let path = self.file(entry)?;
         let rows = entry.rows.as_ref().or(manifest.rows.as_ref());
         let (mut time, mut columns) = match McapFile::is_named(&path) {

@@ -1,6 +1,6 @@
 //! Channels from the columns of CSV and Parquet files.
 
-use super::{Entry, Files, Numbers, Source, key};
+use super::{Entry, Files, Numbers, Source, key, start};
 use crate::layout::Layout;
 use crate::stamp::{Origin, TIME_UNITS, TimeUnit};
 use crate::table::parquet;
@@ -63,19 +63,21 @@ impl Source<'_> {
         samples: usize,
         origin: &mut Origin,
     ) -> Result<Vec<f64>, RecordingError> {
+        let wrap = self.positive("time_wrap", &entry.time_wrap)?;
         match (&entry.time, &entry.rate_hz) {
-            (Some(name), None) => match &entry.time_unit {
-                None => table.stamps_of(name.get_ref(), None, rows),
-                Some(unit) => {
-                    let known = TimeUnit::from_name(unit.get_ref()).ok_or_else(|| {
-                        let names: Vec<_> = TIME_UNITS.iter().map(|line| line.1).collect();
-                        let reason =
-                            format!("\"{}\" is none of {}", unit.get_ref(), names.join(", "));
-                        self.at(unit.span().start, key("time_unit", reason))
-                    })?;
-                    table.stamps_of(name.get_ref(), Some((known, origin)), rows)
-                }
-            },
+            (Some(name), None) => {
+                let unit = self.time_unit(entry)?;
+                let wrap =
+                    wrap.map(|period| period * unit.unwrap_or(TimeUnit::Seconds).in_seconds());
+                table.stamps_of(name.get_ref(), unit.map(|unit| (unit, origin)), wrap, rows)
+            }
+            (None, Some(_)) if wrap.is_some() => {
+                let problem = key(
+                    "time_wrap",
+                    "it is of stamps, and rate_hz stands in their place",
+                );
+                Err(self.at(start(&entry.time_wrap), problem))
+            }
             (None, Some(rate)) => {
                 let rate_hz = *rate.get_ref();
                 if !(rate_hz.is_finite() && rate_hz > 0.0) {
@@ -92,5 +94,22 @@ impl Source<'_> {
                 Err(self.at(entry.role.span().start, problem))
             }
         }
+    }
+
+    /// The unit of an entry's stamps, if it tells one.
+    fn time_unit(&self, entry: &Entry) -> Result<Option<TimeUnit>, RecordingError> {
+        let Some(unit) = &entry.time_unit else {
+            return Ok(None);
+        };
+        let known = TimeUnit::from_name(unit.get_ref()).ok_or_else(|| {
+            let names: Vec<_> = TIME_UNITS.iter().map(|line| line.1).collect();
+            let reason = format!("\"{}\" is none of {}", unit.get_ref(), names.join(", "));
+            self.at(unit.span().start, key("time_unit", reason))
+        })?;
+        if known.is_text() && entry.time_wrap.is_some() {
+            let reason = format!("stamps in {:?} are no numbers of a counter", known.name());
+            return Err(self.at(start(&entry.time_wrap), key("time_wrap", reason)));
+        }
+        Ok(Some(known))
     }
 }

@@ -18,9 +18,9 @@ impl Source<'_> {
         let Some(topic) = &entry.topic else {
             return Err(self.at(start, key("topic", "an MCAP file needs topic = \"...\"")));
         };
-        if entry.column.is_some() || entry.columns.is_some() || entry.rate_hz.is_some() {
-            let reason =
-                "an MCAP file has field or fields, and stamps of its own: no column and no rate_hz";
+        let of_table = entry.column.is_some() || entry.columns.is_some();
+        if of_table || entry.rate_hz.is_some() || entry.time_wrap.is_some() {
+            let reason = "an MCAP file has field or fields, and stamps of its own: no column, no rate_hz and no time_wrap";
             return Err(self.at(start, key("topic", reason)));
         }
         let keys = ["field", "fields"];

@@ -63,6 +63,19 @@ impl Source<'_> {
         }
     }
 
+    pub(super) fn positive(
+        &self,
+        name: &'static str,
+        value: &Option<Spanned<f64>>,
+    ) -> Result<Option<f64>, RecordingError> {
+        match self.finite(name, value)? {
+            Some(number) if number <= 0.0 => {
+                Err(self.at(start(value), key(name, format!("{number} is not above 0"))))
+            }
+            number => Ok(number),
+        }
+    }
+
     /// The range, where it lies in a file of so many rows.
     pub(super) fn rows(&self, rows: &Rows, count: usize) -> Result<[usize; 2], RecordingError> {
         let [first, last] = *rows.get_ref();

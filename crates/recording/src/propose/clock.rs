@@ -195,7 +195,10 @@ fn unit(column: &Column) -> (Guess<TimeUnit>, Option<String>) {
     if let Some(unit) = told.or(words) {
         return (Guess::known(unit), None);
     }
-    if let Some(unit) = NUMBERS.into_iter().find(since_1970) {
+    // A counter that begins again has no date.
+    if let Some(unit) = NUMBERS.into_iter().find(since_1970)
+        && column.wrap.is_none()
+    {
         return (Guess::known(unit), None);
     }
     let step = step(column);

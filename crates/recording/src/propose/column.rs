@@ -2,7 +2,10 @@
 
 use super::super::layout::Layout;
 use super::super::stamp::TimeUnit;
+use super::super::stamp_wraps;
 use super::name::{self, Name};
+use super::units;
+use crate::Wrap;
 use std::ops::Range;
 
 /// Usual cells for missing values.
@@ -34,6 +37,8 @@ pub struct Column {
     pub first: String,
     /// The unit of time behind its numbers, as in `0.004 sec`.
     pub durations: Option<TimeUnit>,
+    /// The counter whose readings it has, if it has stamps of one that begins again; these go on then.
+    pub wrap: Option<Wrap>,
     /// Its distinct cells in their order, if there are few.
     pub distinct: Vec<String>,
     /// The rows from which on these stand, counted from 0.
@@ -74,6 +79,7 @@ impl Column {
             grouped: None,
             first: String::new(),
             durations: None,
+            wrap: None,
             distinct: Vec::new(),
             begins: Vec::new(),
         }
@@ -108,6 +114,19 @@ impl Column {
             self.begins.push(self.numbers.len() - 1);
         }
         missing
+    }
+
+    /// Lets stamps of a counter go on where it begins again.
+    pub fn go_on(&mut self) {
+        let unit = self.name.unit.as_deref().and_then(units::time_unit);
+        let is_time = self.name.is_time() || unit.is_some() || self.durations.is_some();
+        if !is_time || self.texts > 0 {
+            return;
+        }
+        self.wrap = Wrap::of_stamps(&self.numbers);
+        if let Some(wrap) = self.wrap {
+            stamp_wraps::go_on(&mut self.numbers, wrap.period);
+        }
     }
 
     /// The number of a cell with a unit of time behind it, which is then that of the column.

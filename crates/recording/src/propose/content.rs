@@ -109,6 +109,7 @@ impl Content {
         }
         missing.extend(stand_ins(&mut columns, table, &layout)?);
         place(&mut columns, table);
+        columns.iter_mut().for_each(Column::go_on);
         if columns
             .first()
             .is_none_or(|column| column.numbers.is_empty())

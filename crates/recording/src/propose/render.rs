@@ -166,6 +166,14 @@ fn channel(file: &Read, channel: &Channel) -> String {
             if !(plain && unit.why.is_none() && column.durations.is_none()) {
                 text += &key("time_unit", &quoted(unit.value.name()), unit);
             }
+            if let Some(wrap) = &column.wrap {
+                let _ = writeln!(
+                    text,
+                    "time_wrap = {}  # guessed: {}",
+                    wrap.period,
+                    wraps::of_time(wrap)
+                );
+            }
         }
         Clock::Rate(rate) => {
             let _ = writeln!(

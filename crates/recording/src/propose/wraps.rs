@@ -16,11 +16,25 @@ const POSITIONS: [Role; 4] = [
 
 /// A clause on its jumps.
 pub fn words(wrap: &Wrap) -> String {
-    let times = match wrap.jumps {
+    format!(
+        "it jumps by that {}, and goes on smoothly without it",
+        times(wrap)
+    )
+}
+
+/// The same of stamps.
+pub fn of_time(wrap: &Wrap) -> String {
+    format!(
+        "the time falls by that {}, as a counter that begins again, and goes on by one sample without it",
+        times(wrap)
+    )
+}
+
+fn times(wrap: &Wrap) -> String {
+    match wrap.jumps {
         1 => "once".into(),
         count => format!("{count} times"),
-    };
-    format!("it jumps by that {times}, and goes on smoothly without it")
+    }
 }
 
 impl Channels {
