@@ -33,6 +33,11 @@ pub enum FlatKind {
 
 /// Probability that a column without faults has one run that long.
 const CHANCE: f64 = 1e-3;
+/// Greatest increment within two samples of a rest, as a share of the typical one in motion. An axis that stops at a constant rate in
+/// `m` samples has `3 / (2 m)` of its speed there, and it takes three or more.
+const GENTLE: f64 = 0.5;
+/// The same in quantisation steps. Rounding adds up to one to the two that a move of four a sample has there.
+const ROUNDED: f64 = 3.0;
 
 /// Runs of one value that are too long for chance.
 ///
@@ -52,7 +57,7 @@ pub fn flats(time: &[f64], values: &[f64], quantum: f64) -> Vec<Flat> {
         .filter(|step| *step > 0.0)
         .collect();
     let repeats = (increments.len() - moving.len()) as f64;
-    let abrupt = (0.5 * median(moving)).max(3.0 * quantum);
+    let abrupt = (GENTLE * median(moving)).max(ROUNDED * quantum);
     let minimum = values.iter().copied().fold(f64::INFINITY, f64::min);
     let maximum = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let is_long = |run: &Run| {
