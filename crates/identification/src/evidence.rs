@@ -4,6 +4,7 @@ use super::IdentificationError;
 use super::follows::{Follows, Lags};
 use quell_control::estimators::Sample;
 use quell_control::estimators::offline::BatchFit;
+use quell_signal::STRONG;
 
 /// Unknowns of a mode: frequency and damping, and two of its vibration in each piece that starts freely.
 const MODE: f64 = 2.0;
@@ -12,9 +13,6 @@ const START: f64 = 2.0;
 const LAGS: usize = 1000;
 /// Half a step more than the two of two equal sensors: the nearest number of steps is still two.
 const STEPS: f64 = 1.25;
-/// Difference of the Bayesian information criterion that is very strong evidence (Kass and Raftery, J. American
-/// Statistical Association 90 (1995)).
-pub(super) const STRONG: f64 = 10.0;
 
 /// The likelihood ratio of a mode against none: against a tip that only follows the motor side ([`Follows`]), or that rests.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,13 +1,11 @@
 //! Which of two positions of a joint follows the other.
 
 use super::static_ratio::{FAR, rounded};
+use super::strong::STRONG;
 use super::two_sides::{FEWEST, OVERLAP, Series, unwrapped};
 use nalgebra::{Matrix4, Vector3, Vector4};
 use quell_recording::{Recording, Role, plain, range};
 
-/// Difference of the Bayesian information criterion that is very strong evidence (Kass and Raftery, J. American
-/// Statistical Association 90 (1995)).
-const STRONG: f64 = 10.0;
 /// Newton's law of the link, fitted to a motor side `u` and a link `y` as they are written, and exchanged.
 ///
 /// ```text

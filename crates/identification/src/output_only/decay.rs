@@ -5,9 +5,9 @@ use super::damped::{Bend, Damped, Fit, Law, Segment, amplitudes, fit, residual};
 use super::free::{Seen, is_free};
 use super::told::told;
 use super::{Excitation, FEWEST, OutputOnly, Vibration};
-use crate::evidence::STRONG;
 use crate::stop::Stop;
 use nalgebra::{DMatrix, DVector};
+use quell_signal::STRONG;
 use std::f64::consts::TAU;
 
 /// Most steps; each adds a mode or a dependence on amplitude.

@@ -17,7 +17,7 @@
 use super::course::{Course, courses};
 use super::damped::{Damped, Fit, Segment, coefficients};
 use super::level::ABOUT;
-use crate::evidence::STRONG;
+use quell_signal::STRONG;
 use std::f64::consts::TAU;
 
 /// Probability with which what is kept up may rise to the start by chance.

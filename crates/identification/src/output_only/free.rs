@@ -12,8 +12,8 @@
 
 use super::damped::{Damped, Fit, Segment, basis, project};
 use super::driven_on::is_let_go;
-use crate::evidence::STRONG;
 use nalgebra::DMatrix;
+use quell_signal::STRONG;
 
 /// Unknowns of a mode on one axis.
 const UNKNOWNS: usize = 4;

@@ -15,10 +15,9 @@ use super::least_squares::{Minimum, Squares, minimise};
 use super::response::{DRIFT, EACH, POWERS, Resonance, Response, SHARED};
 use super::{Excitation, FoundMode, OutputOnly, Vibration};
 use crate::IdentificationError;
-use crate::evidence::STRONG;
 use nalgebra::{DMatrix, DVector};
 use quell_shapers::{Mode, UncertainMode};
-use quell_signal::SignalError;
+use quell_signal::{STRONG, SignalError};
 
 /// Relative width of a band: a mode with a damping ratio of 0.005 has four in its half-power width.
 const WIDTH: f64 = 0.0025;
