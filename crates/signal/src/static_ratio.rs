@@ -14,7 +14,11 @@ pub(super) const CERTAIN: f64 = NEAR / 3.0;
 /// Factor from which a ratio is no error of a scale: what the catalogue's effects do to a static gain stays below it (a load of
 /// gravity some percent, a sensor's gain a tenth as a rule).
 pub(super) const FAR: f64 = 2.0;
-/// Lowest number of samples of the link in a rest.
+/// Share of a rest at its end whose mean is taken. The mean of half the samples has `sqrt(2)` times the deviation of that of all, and what
+/// vibrates has fallen there to the square root of what the whole rest leaves of it, or less.
+const SETTLED: f64 = 0.5;
+/// Lowest number of samples of the link in a rest: from four on the standard deviation of their variance, `sqrt(2 / (n - 1))` of it, is
+/// below the variance.
 const FEWEST: usize = 4;
 
 /// The slope of the link's position over that of the motor side, both at rest or in slow motion.
@@ -152,9 +156,9 @@ fn rests(motor: &Channel, link: &Channel) -> Option<Vec<Rest>> {
     let phases = phases(&motor.time, values, RestRule::from_values(values)).ok()?;
     let rest = phases.iter().filter(|phase| phase.motion == Motion::Rest);
     let within = rest.filter_map(|rest| {
-        let middle = 0.5 * (rest.start + rest.end);
+        let settled = rest.end - SETTLED * (rest.end - rest.start);
         let part = |channel: &Channel| -> Option<Vec<f64>> {
-            let from = channel.time.partition_point(|t| *t < middle);
+            let from = channel.time.partition_point(|t| *t < settled);
             let until = channel.time.partition_point(|t| *t <= rest.end);
             Some(channel.columns.first()?.get(from..until)?.to_vec())
         };

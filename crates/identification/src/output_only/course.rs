@@ -6,7 +6,7 @@
 use super::damped::{Damped, Fit, Segment, basis};
 use nalgebra::{Complex, DMatrix};
 
-/// Fewest samples of a half period.
+/// Fewest samples of a half period: one more than the two parts of an amplitude.
 const FEWEST: usize = 3;
 
 /// The amplitude in one decay, along its strongest axis.
@@ -93,7 +93,13 @@ fn course(
     Some(found)
 }
 
-/// The complex amplitude whose real part, times a law, is nearest to some values; `None` where the law is at rest.
+/// The complex amplitude whose real part, times a law, is nearest to some values; `None` where the law is at rest, or its cosine and sine
+/// are one to rounding.
+///
+/// The determinant over the product of the diagonal is the square of the sine of the angle between both. The normal equations lose as
+/// many digits as its reciprocal has; from `sqrt(epsilon)` on half of a double's are left.
+///
+/// Source: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed. 2013, section 5.3.
 fn amplitude(law: &[Complex<f64>], values: &[f64]) -> Option<Complex<f64>> {
     let (mut cc, mut cs, mut ss, mut cy, mut sy) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for (z, y) in law.iter().zip(values) {
@@ -105,6 +111,6 @@ fn amplitude(law: &[Complex<f64>], values: &[f64]) -> Option<Complex<f64>> {
         sy += s * y;
     }
     let determinant = cc * ss - cs * cs;
-    (determinant > 1e-6 * cc * ss)
+    (determinant > f64::EPSILON.sqrt() * cc * ss)
         .then(|| Complex::new(ss * cy - cs * sy, cc * sy - cs * cy) / determinant)
 }

@@ -1,7 +1,7 @@
 //! The Bayesian criterion by which models of free decays are chosen.
 
 use super::damped::{Damped, Fit};
-use super::least_squares::independent;
+use super::least_squares::by_first_lag;
 
 /// Number of unknowns of a model: of its modes, and amplitudes and offset of each axis of each decay.
 pub fn unknowns(model: &Fit, axes: usize) -> f64 {
@@ -13,7 +13,7 @@ pub fn unknowns(model: &Fit, axes: usize) -> f64 {
 /// one leaves.
 pub fn best(models: &[Fit], axes: usize) -> Option<(usize, f64)> {
     let left = &models.last()?.minimum.residual;
-    let independent = independent(left, left.len());
+    let independent = by_first_lag(left, left.len());
     let score = |model: &Fit| {
         independent * model.minimum.cost.ln() + unknowns(model, axes) * independent.ln()
     };

@@ -102,8 +102,13 @@ fn inverse(normal: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     }))
 }
 
-/// Independent samples of a residual with its first autocorrelation: `N (1 - r) / (1 + r)`.
-pub fn independent(left: &DVector<f64>, count: usize) -> f64 {
+/// Independent samples of a residual by its first autocorrelation `r`, `N (1 - r) / (1 + r)`: the number for noise of first order (G. V. Bayley,
+/// J. M. Hammersley, The "effective" number of independent observations, J. Royal Statistical Society B 8 (1946)).
+///
+/// `independent` of [evidence](crate::evidence) sums all lags: there what is left is a drift, and the variance of its mean counts. What fits of decays
+/// leave may vibrate. Its correlations cancel over a period, so that a sum of them tells many samples, and a slow motion would have
+/// one more mode for each of its parts. `r` stays near 1 for whatever is slow beside the sampling.
+pub fn by_first_lag(left: &DVector<f64>, count: usize) -> f64 {
     let pairs: f64 = left
         .as_slice()
         .windows(2)
