@@ -3,14 +3,13 @@
 use super::super::role::Role;
 use super::super::unit::Dimension;
 use super::content::Content;
-use super::{inertial, roles};
+use super::inertial;
 
 /// The role of an axis of a gyroscope with several: about one of them its joint turns. It is taken for the one whose rate varies most,
 /// and the others have none; `None` for any other column. Where the name tells no unit of a rate, this holds if nothing else in the file has a role.
 pub fn role(content: &Content, index: usize) -> Option<Option<(Role, bool)>> {
     let axes = axes(content, index);
     let has_unit = || content.columns[index].name.dimension().is_some();
-    // What is no rate ends here: whether a gyroscope is alone asks for the roles of these.
     let is_meant = axes.len() > 1 && (has_unit() || is_alone(content));
     is_meant
         .then(|| (strongest(content, &axes) == Some(index)).then_some((Role::LinkVelocity, false)))
@@ -53,7 +52,11 @@ fn axes(content: &Content, index: usize) -> Vec<usize> {
 /// Whether nothing in a file but gyroscopes has a role.
 fn is_alone(content: &Content) -> bool {
     let mut others = (0..content.columns.len()).filter(|k| !is_rate(content, *k));
-    others.all(|k| content.columns[k].name.is_time() || roles::role(content, k).is_none())
+    others.all(|k| {
+        let name = &content.columns[k].name;
+        let is_bare = name.role().is_none() && name.dimension().is_none();
+        name.is_time() || is_bare && inertial::axis(name).is_none()
+    })
 }
 
 /// The column with the most power without its mean, which is the offset of a gyroscope; the first of equals.
