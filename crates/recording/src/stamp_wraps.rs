@@ -57,7 +57,8 @@ impl Wrap {
     }
 }
 
-/// Adds a period to all that follows a fall of more than half of it. A stamp that is late by some samples stays so.
+/// Adds a period to all that follows a fall of more than half of it. A stamp that is late by some samples stays so. Unlike a position
+/// (`wraps::unwrap`) time only grows: a gap of more than half a period is no step back.
 pub(super) fn go_on(stamps: &mut [f64], period: f64) {
     let (mut turns, mut before) = (0.0, f64::NEG_INFINITY);
     for stamp in stamps.iter_mut().filter(|stamp| !stamp.is_nan()) {

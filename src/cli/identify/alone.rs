@@ -9,7 +9,7 @@ use crate::identification::output_only::{
 use crate::identification::stop::Stop;
 use crate::identification::{motor_side, rests};
 use crate::page::{columns, decimals_beside, fixed};
-use crate::recording::health::{at_limit, clipped_axes, mixed_rates};
+use crate::recording::health::{at_limit, clipped_axes, clock, mixed_rates};
 use crate::recording::{Channel, Recording, Role, axis_names};
 use quell_shapers::{
     Criterion, Recommendation, Requirements, Shaper, ShaperError, UncertainMode, design_for_all,
@@ -143,7 +143,7 @@ impl Alone {
             recording: recording.name.clone(),
             axes: axis_names(path, vibration.role, vibration.axes.len()),
             clipped: channel.and_then(clipped),
-            mixed_rates: channel.and_then(|own| mixed_rates(&own.time)),
+            mixed_rates: channel.and_then(|own| mixed_rates(&clock(&own.time))),
             vibration,
             found,
             advice,

@@ -27,7 +27,7 @@ pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
             _ => format!("the unit {unit} is not one of {role}: kept as it is"),
         });
     }
-    clock(&channel.time, health, &mut remarks);
+    clock(&health.clock, &mut remarks);
     for (index, column) in health.columns.iter().enumerate() {
         let name = match health.columns.len() {
             1 => String::new(),
@@ -44,8 +44,7 @@ pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
 
 /// A sentence, without a full stop, on stamps whose usual distance is not that of as many samples a second, or that are rounded by more
 /// than [`JITTER`] allows.
-pub fn mixed_rates(time: &[f64]) -> Option<String> {
-    let clock = super::clock::clock(time);
+pub fn mixed_rates(clock: &Clock) -> Option<String> {
     if let Some(rounded) = clock.rounded {
         let [least, greatest] = rounded.rates.map(|rate| format!("{rate:.2}"));
         let told = match least == greatest {
@@ -53,7 +52,7 @@ pub fn mixed_rates(time: &[f64]) -> Option<String> {
             false => format!("{least} to {greatest} samples a second"),
         };
         let step = plain(rounded.step);
-        return is_jittery(&clock)
+        return is_jittery(clock)
             .then(|| format!("its stamps are rounded to {step} s: together they tell {told}"));
     }
     let (usual, mean) = clock.usual_rate().zip(clock.mean_rate())?;
@@ -67,8 +66,7 @@ fn is_jittery(clock: &Clock) -> bool {
     clock.jitter > JITTER * clock.period
 }
 
-fn clock(time: &[f64], health: &Health, remarks: &mut Vec<String>) {
-    let clock = &health.clock;
+fn clock(clock: &Clock, remarks: &mut Vec<String>) {
     if clock.samples == 1 {
         remarks.push("it has one sample only".into());
     }
@@ -87,7 +85,7 @@ fn clock(time: &[f64], health: &Health, remarks: &mut Vec<String>) {
             plain(first.until)
         ));
     }
-    remarks.extend(mixed_rates(time));
+    remarks.extend(mixed_rates(clock));
     if is_jittery(clock) && clock.rounded.is_none() {
         remarks.push(format!(
             "the clock jitters by {:.1} % of its period (root mean square; worst {:.1} %)",

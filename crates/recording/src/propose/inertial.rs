@@ -36,19 +36,25 @@ pub fn axis(name: &Name) -> Option<(usize, Option<&'static str>)> {
 /// The axis about which a column has a rate of turn, by its name: 0, 1 or 2. `wx` is one, as in the files of Physics Toolbox; `roll` may be
 /// a joint of a robot where no word tells a rate.
 pub fn turns_about(name: &Name) -> Option<usize> {
+    let is_told = has_word_of_rate(name) || name.words.last()?.starts_with('w');
+    turning_axis(name).filter(|_| is_told)
+}
+
+/// The axis about which the last word of a name says that something turns.
+fn turning_axis(name: &Name) -> Option<usize> {
     let last = name.words.last()?.as_str();
-    let has = |word: &String| RATES.contains(&word.as_str());
-    let is_told = name.words.iter().any(has) || last.starts_with('w');
-    let axis = TURNS.iter().position(|words| words.contains(&last));
-    axis.filter(|_| is_told)
+    TURNS.iter().position(|words| words.contains(&last))
+}
+
+fn has_word_of_rate(name: &Name) -> bool {
+    name.words.iter().any(|word| RATES.contains(&&**word))
 }
 
 /// Whether a column has a rate or an angle about an axis of an accelerometer that stands in the same file with several axes:
 /// they are of one body, and of no joint.
 pub fn is_of_accelerometer(content: &Content, index: usize) -> bool {
     let name = &content.columns[index].name;
-    let last = name.words.last().map_or("", |word| word.as_str());
-    let turns = name.words.iter().any(|word| RATES.contains(&&**word))
+    let turns = has_word_of_rate(name)
         || [Dimension::Angle, Dimension::AngularVelocity]
             .map(Some)
             .contains(&name.dimension());
@@ -61,5 +67,5 @@ pub fn is_of_accelerometer(content: &Content, index: usize) -> bool {
         .iter()
         .map(|own| &own.name)
         .filter(accelerates);
-    turns && TURNS.iter().flatten().any(|axis| *axis == last) && axes.count() > 1
+    turns && turning_axis(name).is_some() && axes.count() > 1
 }

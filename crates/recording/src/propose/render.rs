@@ -9,6 +9,7 @@ use super::content::Content;
 use super::read::{Read, Test, read};
 use super::toml_text::{layout, line, quoted};
 use super::{Guess, Proposal, Proposed, joint, manifest_name, response, wraps};
+use crate::Wrap;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
@@ -167,12 +168,7 @@ fn channel(file: &Read, channel: &Channel) -> String {
                 text += &key("time_unit", &quoted(unit.value.name()), unit);
             }
             if let Some(wrap) = &column.wrap {
-                let _ = writeln!(
-                    text,
-                    "time_wrap = {}  # guessed: {}",
-                    wrap.period,
-                    wraps::of_time(wrap)
-                );
+                text += &period("time_wrap", wrap, wraps::of_time(wrap));
             }
         }
         Clock::Rate(rate) => {
@@ -214,12 +210,7 @@ fn channel(file: &Read, channel: &Channel) -> String {
         );
     }
     if let Some(wrap) = &channel.wrap {
-        let _ = writeln!(
-            text,
-            "wrap = {}  # guessed: {}",
-            wrap.period,
-            wraps::words(wrap)
-        );
+        text += &period("wrap", wrap, wraps::words(wrap));
     }
     text
 }
@@ -252,6 +243,11 @@ fn key<T>(key: &str, value: &str, guess: &Guess<T>) -> String {
         Some(why) => format!("{key} = {value}  # guessed: {}\n", line(why)),
         None => format!("{key} = {value}\n"),
     }
+}
+
+/// The line of a counter that begins again.
+fn period(name: &str, wrap: &Wrap, why: String) -> String {
+    key(name, &wrap.period.to_string(), &Guess::guessed((), why))
 }
 
 /// A rate to a millionth of a hertz.
