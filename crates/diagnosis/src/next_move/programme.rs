@@ -167,7 +167,8 @@ mod tests {
             let seen = Seen { start: low + share * travel, range: (low, low + travel), limits };
             let pauses = Pauses { short: 0.1, settled: 0.5, long: 2.0 };
             let parts = parts(&seen, pauses, "rad");
-            prop_assert!(parts.len() > 10);
+            // Where no move is long enough to reach a limit, all paces are one; these differ in more than pace.
+            prop_assert!(parts.len() >= 7);
             for moves in &parts {
                 let period = 1e-3;
                 let all = positions(moves, seen.start, 0.1, period).unwrap();
