@@ -86,18 +86,22 @@ impl Problem<'_> {
     /// What the outputs of an experiment hear of the noise of its input and of its known forces, at a point.
     fn heard(&self, point: &Point, e: usize) -> Vec<Heard> {
         let here = LazyCell::new(|| self.run(point, e).residuals);
-        let respond = |other| self.response_to((point, &here), e, other);
+        let respond =
+            |driven: &dyn Fn(f64) -> Experiment| self.response_to((point, &here), e, driven);
         let experiment = &self.experiments[e];
         let mut all = heard_of_forces(experiment, respond);
         if let Some(deviation) = self.heard_input_noise(e) {
             let inputs = &experiment.input_values;
             let adds_up = matches!(InputError::of(experiment), InputError::Walk(_));
             let response = |place: f64| {
-                let mut other = inputs.clone();
                 let from = (place * inputs.len() as f64) as usize;
                 let until = if adds_up { inputs.len() } else { from + 1 };
-                other[from..until].iter_mut().for_each(|u| *u += deviation);
-                respond(experiment.with_input(other))
+                respond(&|sign| {
+                    let mut other = inputs.clone();
+                    let moved = other[from..until].iter_mut();
+                    moved.for_each(|u| *u += sign * deviation);
+                    experiment.with_input(other)
+                })
             };
             all.push(Heard {
                 samples: inputs.len() as f64,
@@ -141,7 +145,7 @@ impl Heard {
 /// What the outputs hear of the noise of known forces; `respond` has the change of the residuals of another experiment.
 fn heard_of_forces(
     experiment: &Experiment,
-    respond: impl Fn(Experiment) -> Vec<Vec<f64>>,
+    respond: impl Fn(&dyn Fn(f64) -> Experiment) -> Vec<Vec<f64>>,
 ) -> Vec<Heard> {
     let known = &experiment.known;
     let heard = |(force, (samples, deviation)): (usize, (usize, f64))| {
@@ -149,8 +153,8 @@ fn heard_of_forces(
         let is_heard = deviation > 0.0 && experiment.windows.is_empty();
         let response = |place: f64| {
             let sample = (place * samples as f64) as usize;
-            respond(Experiment {
-                known: known.with_force_changed(force, sample, deviation),
+            respond(&|sign| Experiment {
+                known: known.with_force_changed(force, sample, sign * deviation),
                 ..experiment.clone()
             })
         };

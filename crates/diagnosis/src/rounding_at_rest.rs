@@ -81,11 +81,13 @@ impl Problem<'_> {
         let (time, values) = (&experiment.input_time, &experiment.input_values);
         let rests = self.longest(time, levels(values, step)).into_iter();
         let response = |rest: Range<usize>| {
-            let mut other = values.clone();
-            for value in &mut other[rest] {
-                *value += step / 12f64.sqrt();
-            }
-            self.response_to((point, here), e, experiment.with_input(other))
+            self.response_to((point, here), e, |sign| {
+                let mut other = values.clone();
+                for value in &mut other[rest.clone()] {
+                    *value += sign * step / 12f64.sqrt();
+                }
+                experiment.with_input(other)
+            })
         };
         rests.map(response).collect()
     }
