@@ -65,7 +65,7 @@ pub struct Problem<'a> {
     /// Ends the search before its time: fits stay where they are, and no further ones begin. What is told of the search
     /// afterwards is fitted to its end, with this one unset.
     pub enough: Stop,
-    /// Number of simulated steps so far: a measure of the work that is the same on every machine.
+    /// Work so far, in simulated steps: a measure that is the same on every machine.
     pub simulated: Arc<AtomicU64>,
 }
 

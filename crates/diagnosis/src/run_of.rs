@@ -6,6 +6,10 @@ use quell_model::effects::Law;
 use quell_model::{Experiment, Output, Prediction, Simulated, predict_windows, simulate_windows};
 use std::sync::atomic::Ordering::Relaxed;
 
+/// Samples of the outputs that take as long as a step of the integration: each is predicted and whitened, and
+/// has its part in the normal matrix. Measured: 0.5 us a step, 0.14 us a sample.
+const ROWS_A_STEP: usize = 4;
+
 /// A simulated experiment, compared with the recording.
 pub struct Run {
     /// The motion; `None` in a frozen problem, which does not need it again.
@@ -24,8 +28,8 @@ impl Problem<'_> {
         if self.stop.now() {
             return left_out(data);
         }
-        self.simulated
-            .fetch_add(data.grid.input.len() as u64, Relaxed);
+        let work = data.grid.input.len() + data.samples() / ROWS_A_STEP;
+        self.simulated.fetch_add(work as u64, Relaxed);
         let (terms, starts) = (&point.terms, &local.departures);
         if self.frozen {
             let shown = predict_windows(kind, &keys, terms, data, starts, &local.clocks);

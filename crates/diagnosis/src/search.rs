@@ -13,7 +13,7 @@ use super::thresholds::{BEAM, LONG, MOST_EFFECTS};
 use rayon::prelude::*;
 use std::sync::atomic::Ordering::Relaxed;
 
-/// Number of simulated steps after which the search ends with the best explanation so far: some thirty seconds
+/// Work, in simulated steps, after which the search ends with the best explanation so far: some thirty seconds
 /// on one core.
 const ENOUGH: u64 = 60_000_000;
 
