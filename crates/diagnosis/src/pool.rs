@@ -10,11 +10,9 @@ use quell_model::effects::Place;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
-/// Explanations that are fitted again after the noise has changed: more than a credible set has.
+/// Explanations that are fitted again after the noise has changed: more than a credible set has. Those that are far less
+/// probable than the best one are among them, since a parameter of that may then be at the end of its range.
 const KEPT: usize = 12;
-/// Log odds against the best explanation beyond which an explanation is not fitted again: a probability of
-/// 5e-5, a two-hundredth of what a credible set leaves out.
-const HOPELESS: f64 = 10.0;
 
 /// Assumed relative error of the catalogue's laws, which are idealised; its shape is unknown.
 ///
@@ -101,8 +99,7 @@ impl Pool {
     /// The refitted model and the most probable structures, each fitted anew.
     pub fn map(&self, judge: &Judge, refit: impl Fn(&Explanation) -> Explanation + Sync) -> Self {
         let ranked = self.ranked(self.temperature(judge));
-        let hopeful = |own: &&(&Explanation, f64)| own.1 > ranked[0].1 - HOPELESS;
-        let first = ranked.iter().filter(hopeful).take(KEPT);
+        let first = ranked.iter().take(KEPT);
         let first: Vec<&Explanation> = first.map(|own| own.0).collect();
         let is_kept = |own: &Explanation| {
             own.terms() == 0 || first.iter().any(|other| std::ptr::eq(*other, own))
