@@ -5,7 +5,7 @@
 
 use quell::effects::{CandidateStop, EFFECTS, LEARNED, Law, Memory, Place, Scales};
 use quell::model::chain::{Chain, ForceElement, FrictionElement};
-use quell::model::{Grid, Hold, Kick, Kind, Timed, integrate};
+use quell::model::{Grid, Hold, Kind, Timed, integrate};
 use quell::recording::Role;
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -80,7 +80,7 @@ fn chain(law: Option<(Law, Place)>) -> Option<(Chain, Timed)> {
         }
         Some((Law::Kinematic(error), _)) => chain.kinematics.push(error),
         Some((Law::Resonance(mode), _)) => chain.resonances.push(mode),
-        Some((Law::Impulse { time, size }, _)) => timed.kicks.push(Kick { time, size }),
+        Some((Law::Impulse(impulse), _)) => timed.impulses.push(impulse),
         Some((Law::Drive(_) | Law::Sensor(_), _)) => return None,
     }
     Some((chain, timed))

@@ -341,7 +341,7 @@ fn changes_nothing(law: &Law, series: &[f64]) -> Result<(), String> {
             }
         }
         Law::Resonance(mode) => same(mode.share, 0.0, "share")?,
-        Law::Impulse { size, .. } => same(*size, 0.0, "size")?,
+        Law::Impulse(own) => same(own.size, 0.0, "size")?,
         Law::Sensor(sensor) => {
             let curve: Vec<_> = series.iter().map(|v| [*v, 0.5 * v]).collect();
             let mut filtered = curve.clone();

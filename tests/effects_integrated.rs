@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 use quell::effects::{EFFECTS, Effect, Law, Memory, ParameterRole, Place, Scales};
 use quell::model::chain::{Chain, ForceElement, FrictionElement};
-use quell::model::{Grid, Hold, Kick, Kind, Timed, Trace, integrate};
+use quell::model::{Grid, Hold, Kind, Timed, Trace, integrate};
 use quell::recording::Role;
 use std::f64::consts::TAU;
 
@@ -61,7 +61,7 @@ fn simulate(law: Option<(Law, Place)>, grid: &Grid) -> Option<Trace> {
             chain.inertias.push(inertia);
         }
         Some((Law::Resonance(mode), _)) => chain.resonances.push(mode),
-        Some((Law::Impulse { time, size }, _)) => timed.kicks.push(Kick { time, size }),
+        Some((Law::Impulse(impulse), _)) => timed.impulses.push(impulse),
         Some((Law::Drive(_) | Law::Sensor(_), _)) => return None,
     }
     let start = grid.input[0].at(0.0);
@@ -227,10 +227,7 @@ fn neutral_laws_in_the_chain_change_nothing_to_the_bit() {
         let law = (effect.law)(&values);
         // What a share of 0 leaves out is up to the output; an impulse of 0 and friction that can hold
         // nothing split steps: a model leaves them out.
-        if matches!(
-            law,
-            Law::Resonance(_) | Law::Impulse { .. } | Law::Friction(_)
-        ) {
+        if matches!(law, Law::Resonance(_) | Law::Impulse(_) | Law::Friction(_)) {
             continue;
         }
         let Some(trace) = simulate(Some((law, place)), &grid) else {

@@ -1,10 +1,13 @@
 //! The chain against closed forms: decay, friction, backlash, jumps, two masses, loops.
 
-use quell::effects::{CandidateStop, EFFECTS, Effect, Friction, Law, Memory, Place, Scales};
+use nalgebra::Complex;
+use quell::effects::{
+    CandidateStop, EFFECTS, Effect, Friction, Impulse, Law, Memory, Place, Scales,
+};
 use quell::model::chain::{
     Chain, ForceElement, FrictionElement, Linear, MotorSide, PositionLoop, State,
 };
-use quell::model::{Grid, Hold, KINDS, Kick, Kind, Timed, Trace, integrate};
+use quell::model::{Grid, Hold, KINDS, Kind, Timed, Trace, integrate};
 use quell::recording::Role;
 use quell::signal::{CubicSpline, End, ForcedResponse};
 use quell_shapers::Mode;
@@ -67,7 +70,7 @@ fn add(chain: &mut Chain, law: Law, place: Place) -> Timed {
         }
         Law::Kinematic(error) => chain.kinematics.push(error),
         Law::Resonance(mode) => chain.resonances.push(mode),
-        Law::Impulse { time, size } => timed.kicks.push(Kick { time, size }),
+        Law::Impulse(impulse) => timed.impulses.push(impulse),
         Law::Drive(_) | Law::Sensor(_) => {}
     }
     timed
@@ -221,7 +224,8 @@ fn val_a_payload_set_down_and_a_kick_act_at_their_instants() {
     let payload = Effect::from_name("payload_change").expect("it is in the catalogue");
     let mut chain = Chain::new(joint(0.0));
     let mut timed = add(&mut chain, (payload.law)(&[3.0, drop]), Place::Link);
-    timed.kicks.push(Kick {
+    timed.impulses.push(Impulse {
+        duration: 0.0,
         time: kick,
         size: 0.5,
     });
@@ -240,11 +244,42 @@ fn val_a_payload_set_down_and_a_kick_act_at_their_instants() {
         let exact = match t {
             _ if t < drop => swing(1.0, [1.0, 0.0], t),
             _ if t < kick => swing(0.5, at_drop, t - drop),
-            _ => swing(0.5, [x, v + 0.5], t - kick),
+            _ => swing(0.5, [x, v + 0.5 / 4.0], t - kick),
         };
         // 0.01^4 / 120 a radian.
         assert!((trace.link[k][0] - exact[0]).abs() < 3e-9, "at {t}");
         assert!((trace.link[k][1] - exact[1]).abs() < 3e-9, "at {t}");
+    }
+}
+
+/// A parabola of force leaves a mode with the pole `-s` ringing as a jump in its middle does, times its integral with
+/// `exp(s t)`, `3 (x cosh x - sinh x) / x^3` with `x = s d / 2`. Also where it is shorter than a step, or than a sample.
+#[test]
+fn val_a_parabola_of_force_leaves_the_ringing_of_its_transform() {
+    let (damping_ratio, time, size) = (0.1_f64, 3.1234, 0.5);
+    let turns = (1.0 - damping_ratio * damping_ratio).sqrt();
+    for duration in [2.0, 0.3, 0.004, 1e-7] {
+        let impulse = Law::Impulse(Impulse {
+            time,
+            size,
+            duration,
+        });
+        let mut chain = Chain::new(joint(damping_ratio));
+        let timed = add(&mut chain, impulse, Place::Link);
+        let trace = integrate(&mut chain, &grid(20.0, 0.01, |_| 0.0), REST, &timed);
+        let x = Complex::new(damping_ratio, turns) * (0.5 * duration);
+        let factor = match duration < 0.01 {
+            true => x * x / 10.0 + 1.0,
+            false => (x * x.cosh() - x.sinh()) * 3.0 / (x * x * x),
+        };
+        let rung = trace.time.iter().zip(&trace.link);
+        let rung = rung.filter(|own| *own.0 > time + 0.5 * duration);
+        assert!(rung.clone().count() > 1000);
+        for (t, link) in rung {
+            let pole = Complex::new(-damping_ratio, turns) * (t - time);
+            let exact = size / turns * (pole.exp() * factor.conj()).im;
+            assert!((link[0] - exact).abs() < 1e-9, "{duration} s, at {t}");
+        }
     }
 }
 
@@ -507,10 +542,11 @@ fn every_law_converges_as_steps_are_halved() {
 #[test]
 fn neutral_laws_are_the_baseline_to_the_bit() {
     let baseline = simulated(
-        Law::Impulse {
+        Law::Impulse(Impulse {
             time: -1.0,
             size: 0.0,
-        },
+            duration: 0.0,
+        }),
         Place::Link,
         0.15,
     );
@@ -523,7 +559,7 @@ fn neutral_laws_are_the_baseline_to_the_bit() {
         parameters[effect.size()] = effect.parameters[effect.size()].neutral;
         for &place in effect.places {
             let law = (effect.law)(&parameters);
-            if matches!(law, Law::Friction(_) | Law::Impulse { .. }) {
+            if matches!(law, Law::Friction(_) | Law::Impulse(_)) {
                 // Steps that end at its events are rounded elsewhere; a kick of 0 ends one too.
                 continue;
             }

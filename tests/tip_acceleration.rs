@@ -6,6 +6,7 @@ use quell::recording::{Channel, Recording, Role};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::slice::from_ref;
 
 const ARM: f64 = 0.5;
@@ -141,4 +142,83 @@ fn columns_without_motion_are_refused() {
             && error.to_string().contains("has 3 columns"),
         "{error}"
     );
+}
+
+/// Acceleration of a link of 8 Hz that half a sine of force knocks at a time, in steps of 20 us.
+fn knocked(time: f64, duration: f64, jump: f64) -> Vec<f64> {
+    const STEPS: usize = 100;
+    let w = 8.0 * TAU;
+    let (mut x, mut v) = (0.0, 0.0);
+    let acceleration = |k: usize| {
+        let mut a = 0.0;
+        for step in 0..STEPS {
+            let t = (k * STEPS + step) as f64 * 2e-3 / STEPS as f64;
+            let turn = PI * (t - time) / duration;
+            let push = if turn.abs() < FRAC_PI_2 {
+                turn.cos()
+            } else {
+                0.0
+            };
+            let now = jump * FRAC_PI_2 / duration * push - 2.0 * 0.03 * w * v - w * w * x;
+            v += now * 2e-3 / STEPS as f64;
+            x += v * 2e-3 / STEPS as f64;
+            a = if step == 0 { now } else { a };
+        }
+        a
+    };
+    (0..2400).map(acceleration).collect()
+}
+
+/// An accelerometer shows how long a knock lasts: both are told with what they were, within what half a sine and a parabola
+/// differ by.
+#[test]
+fn two_knocks_have_their_durations() {
+    let [along, _] = accelerations(&joint(8.0));
+    let (mut random, normal) = (
+        ChaCha8Rng::seed_from_u64(5),
+        Normal::new(0.0, NOISE).unwrap(),
+    );
+    let knocks = [(1.2, 0.03, 0.02), (3.2, 0.012, -0.01)];
+    let all = knocks.map(|(time, duration, jump)| knocked(time, duration, jump));
+    let mut with = |share: f64| {
+        let value = |k: usize| along[k] + share * ARM * (all[0][k] + all[1][k]);
+        let noisy = (0..2400).map(|k| value(k) + normal.sample(&mut random));
+        recording(&motor(), vec![noisy.collect()])
+    };
+    let (own, apart) = (with(1.0), with(0.0));
+    let outcome = diagnose(
+        &joint(8.2),
+        &[own],
+        &[apart],
+        &Options::default(),
+        &|_, _| {},
+    );
+    let said = outcome.unwrap().diagnosis;
+    let [finding] = &said.findings[..] else {
+        panic!("{}", said.summary);
+    };
+    assert_eq!(finding.effect, "external_disturbance", "{}", said.summary);
+    let told = |name: &str| {
+        let own = finding.parameters.iter();
+        let own = own.filter(|own| own.name.starts_with(name));
+        own.map(|own| own.value).collect::<Vec<f64>>()
+    };
+    let mut found: Vec<(f64, f64, f64)> = told("time")
+        .into_iter()
+        .zip(told("duration").into_iter().zip(told("jump")))
+        .map(|(time, (duration, jump))| (time, duration, jump))
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert_eq!(found.len(), 2, "{}", said.summary);
+    for (found, knock) in found.iter().zip(knocks) {
+        assert!((found.0 - knock.0).abs() < 5e-4, "{found:?} for {knock:?}");
+        assert!(
+            (found.1 / knock.1 - 1.0).abs() < 0.1,
+            "{found:?} for {knock:?}"
+        );
+        assert!(
+            (found.2 / knock.2 - 1.0).abs() < 0.05,
+            "{found:?} for {knock:?}"
+        );
+    }
 }

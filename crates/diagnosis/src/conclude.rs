@@ -261,6 +261,9 @@ fn parameters(
     for (count, term) in terms.enumerate() {
         let own = &point.terms[term];
         for (index, parameter) in own.effect.parameters.iter().enumerate() {
+            if own.effect.is_without(index, own.values[index]) {
+                continue;
+            }
             let (factor, unit) = told_in(parameter, &units);
             let ci95 = scatter.interval(search.problem, point, Global::Parameter(term, index));
             all.push(FittedParameter {

@@ -10,6 +10,7 @@ use super::normal::solve;
 use super::point::Point;
 use super::problem::Problem;
 use super::projector::Projector;
+use super::thresholds::LONG;
 use nalgebra::{DMatrix, DVector};
 
 /// Damping at the start, as a share of the normal matrix' diagonal.
@@ -153,8 +154,11 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// The end of the fit.
+    /// The end of the fit. A law that is as good as the simpler one without a parameter is fitted as that.
     pub fn end(self) -> Fitted {
+        if let Some(simpler) = self.problem.without_vanished(&self.point) {
+            return self.problem.fit(&simpler, self.projector, LONG);
+        }
         Fitted {
             cost: self.linear.cost,
             globals: self.linear.globals,

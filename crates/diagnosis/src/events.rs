@@ -55,7 +55,9 @@ impl Search<'_> {
                 |values| Term::new(event.effect, event.place, values).in_recording(Some(*own));
             match event.effect.event_time() {
                 Some(when) => all.extend(scales.candidate_events.iter().map(|time| {
-                    let mut values = event.effect.neutral();
+                    let mut values = event.values.clone();
+                    let size = event.effect.size();
+                    values[size] = event.effect.parameters[size].neutral;
                     values[when] = *time;
                     vec![with(values)]
                 })),

@@ -61,6 +61,28 @@ impl Problem<'_> {
         explanation.at_end.is_none() && !unknown().iter().any(|own| is_one_value(own.1))
     }
 
+    /// A point whose laws are without the parameters that have come to the low end of their range; `None` where none has.
+    pub fn without_vanished(&self, point: &Point) -> Option<Point> {
+        let has_vanished = |&(term, index): &(usize, usize)| {
+            let own = &point.terms[term];
+            let (value, role) = (own.values[index], own.effect.parameters[index].role);
+            let limits = self.limits(point, Global::Parameter(term, index));
+            let may_vanish =
+                own.effect.may_be_without(index) && !own.effect.is_without(index, value);
+            may_vanish && is_near(role, (value, limits.0), limits)
+        };
+        let added = point.given_terms..point.terms.len();
+        let all = added
+            .flat_map(|term| (0..point.terms[term].values.len()).map(move |index| (term, index)));
+        let vanished: Vec<(usize, usize)> = all.filter(has_vanished).collect();
+        let mut simpler = point.clone();
+        for &(term, index) in &vanished {
+            let own = &mut simpler.terms[term];
+            own.values[index] = own.effect.parameters[index].neutral;
+        }
+        (!vanished.is_empty()).then_some(simpler)
+    }
+
     /// Term and role of the parameters of added effects whose confidence interval spans the whole range.
     pub fn unknown(
         &self,

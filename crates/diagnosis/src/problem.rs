@@ -6,7 +6,7 @@ use super::stop::Stop;
 use super::whitening::Whitening;
 use nalgebra::{DMatrix, DVector};
 use quell_model::effects::{Catalogue, Law, ParameterRole, Scales};
-use quell_model::{Departure, Experiment, Kind, Model, StartComponent, Value};
+use quell_model::{Departure, Experiment, Kind, Model, StartComponent, Term, Value};
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
@@ -101,9 +101,10 @@ impl Problem<'_> {
     pub fn globals(&self, point: &Point) -> Vec<Global> {
         let keys = self.free.iter().map(|&key| Global::Key(key));
         let parameters = (0..point.terms.len()).flat_map(|term| {
-            let effect = point.terms[term].effect;
+            let Term { effect, values, .. } = &point.terms[term];
             let free = move |parameter: &usize| {
-                if effect.parameters[*parameter].role == ParameterRole::Range {
+                let is_range = effect.parameters[*parameter].role == ParameterRole::Range;
+                if is_range || effect.is_without(*parameter, values[*parameter]) {
                     return false;
                 }
                 let given = self

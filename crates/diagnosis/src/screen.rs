@@ -17,6 +17,7 @@ use super::run_of::Run;
 use nalgebra::{Complex, DMatrix, DVector};
 use quell_model::Term;
 use quell_model::effects::{Effect, LEARNED, Law, Place, Scales, Slot};
+use quell_recording::Role;
 use quell_signal::SingularValues;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -192,14 +193,20 @@ impl<'a> Screen<'a> {
     }
 
     /// An effect at its place with the values of its grid, a learned law with the range of that place. What happened in a
-    /// recording has a grid for each.
+    /// recording has a grid for each. Without an accelerometer a law is tried without what only that shows.
     fn starts(&self, effect: &'static Effect, place: Place) -> Vec<Term> {
         let problem = self.problem;
+        let outputs = problem.experiments.iter().flat_map(|own| &own.outputs);
+        let are_seen = outputs.map(|own| own.role).any(Role::is_acceleration);
+        let is_seen = |own: &(usize, &f64)| {
+            are_seen || !effect.may_be_without(own.0) || effect.is_without(own.0, *own.1)
+        };
         let of = |scales: &Scales, recording: Option<usize>| -> Vec<Term> {
             let term = |values| Term::new(effect, place, values).in_recording(recording);
             effect
                 .starts_at(place, scales)
                 .into_iter()
+                .filter(|values| values.iter().enumerate().all(|own| is_seen(&own)))
                 .map(term)
                 .collect()
         };

@@ -12,7 +12,7 @@ use super::attachment::Attachment;
 use super::bodies::Bodies;
 use super::coupling::Pull;
 pub use super::linear::{Linear, MotorSide, PositionLoop};
-use crate::effects::{Force, Friction, Inertia, Memory, Motion, Place, Resonance};
+use crate::effects::{Force, Friction, Impulse, Inertia, Memory, Motion, Place, Resonance};
 
 /// A force law at a place, and its memory.
 pub struct ForceElement {
@@ -44,6 +44,8 @@ pub struct Chain {
     pub frictions: Vec<FrictionElement>,
     /// Changes of the link's inertia; the motor side's where there is no link.
     pub inertias: Vec<Box<dyn Inertia>>,
+    /// Impulses that last.
+    pub impulses: Vec<Impulse>,
     /// Further modes.
     pub resonances: Vec<Resonance>,
     /// Transmission errors.
@@ -90,6 +92,7 @@ impl Chain {
             forces: Vec::new(),
             frictions: Vec::new(),
             inertias: Vec::new(),
+            impulses: Vec::new(),
             resonances: Vec::new(),
             kinematics: Vec::new(),
             maps: Vec::new(),
@@ -103,6 +106,7 @@ impl Chain {
         self.forces.is_empty()
             && self.frictions.is_empty()
             && self.inertias.is_empty()
+            && self.impulses.is_empty()
             && self.resonances.is_empty()
             && self.kinematics.is_empty()
             && self.linear.position_loop.is_none()
@@ -207,6 +211,11 @@ impl Chain {
             ..Instant::default()
         };
         if LAWS {
+            let body = usize::from(linear.link.is_some());
+            if constants.mobility[body] > 0.0 {
+                let each = self.impulses.iter().map(|own| own.acceleration(time));
+                bodies.force[body] += each.sum::<f64>() / constants.mobility[body];
+            }
             instant.holding = self.resist(&motion, ratio, &mut bodies);
             for (k, mode) in self.resonances.iter().take(RESONANCES).enumerate() {
                 let (x, v) = (state[4 + 2 * k], state[5 + 2 * k]);

@@ -5,16 +5,8 @@ use super::piecewise::Grid;
 use super::runge_kutta::Span;
 use super::stepper::Stepper;
 use super::trace::Trace;
+use crate::effects::Impulse;
 use std::collections::VecDeque;
-
-/// An impulse on the link.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kick {
-    /// When, s.
-    pub time: f64,
-    /// Jump of the velocity of the link; of the motor side where there is none.
-    pub size: f64,
-}
 
 /// An instant at which the motion is restarted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +23,7 @@ pub struct Timed {
     /// Instants at which a law jumps, s.
     pub breaks: Vec<f64>,
     /// Impulses on the link.
-    pub kicks: Vec<Kick>,
+    pub impulses: Vec<Impulse>,
     /// Restarts of the motion.
     pub restarts: Vec<Restart>,
 }
@@ -121,6 +113,8 @@ impl<'a> Journey<'a> {
             input: grid.input.first()?,
         };
         let stops = stops(chain, grid, timed);
+        let lasting = timed.impulses.iter().filter(|own| own.duration > 0.0);
+        chain.impulses = lasting.copied().collect();
         let ticks = Ticks::new(chain, &state);
         Some(Self {
             stepper: Stepper::new(chain, &span, &state, grid.time[1] - grid.time[0]),
@@ -181,7 +175,7 @@ impl<'a> Journey<'a> {
             let (chain, state) = (&mut *self.stepper.chain, &mut self.state);
             match stop {
                 Stop::Break => {}
-                Stop::Kick(size) => *state = kicked(chain, *state, size),
+                Stop::Kick(size) => *state = kicked(chain, span.from, *state, size),
                 Stop::Restart(anew) => state[..4].copy_from_slice(&anew),
                 Stop::Tick => self.ticks.tick(chain, state, span.at(0.0).1[0]),
             }
@@ -206,13 +200,16 @@ impl<'a> Journey<'a> {
 /// All instants from the first node on, in order.
 fn stops(chain: &Chain, grid: &Grid, timed: &Timed) -> Vec<(f64, Stop)> {
     let breaks = timed.breaks.iter().map(|&time| (time, Stop::Break));
-    let kicks = timed
-        .kicks
-        .iter()
-        .map(|kick| (kick.time, Stop::Kick(kick.size)));
+    let all = timed.impulses.iter();
+    let (lasting, short): (Vec<&Impulse>, Vec<&Impulse>) = all.partition(|own| own.duration > 0.0);
+    let kicks = short.iter().map(|own| (own.time, Stop::Kick(own.size)));
+    let ends = lasting.iter().flat_map(|own| {
+        let half = 0.5 * own.duration;
+        [own.time - half, own.time + half].map(|time| (time, Stop::Break))
+    });
     let anew = |restart: &Restart| (restart.time, Stop::Restart(restart.state));
     let restarts = timed.restarts.iter().map(anew);
-    let mut stops: Vec<_> = breaks.chain(kicks).chain(restarts).collect();
+    let mut stops: Vec<_> = breaks.chain(kicks).chain(ends).chain(restarts).collect();
     stops.retain(|stop| stop.0 >= grid.time[0]);
     if let Some(period) = period(chain) {
         let (mut node, mut tick) = (0, 0);
@@ -249,11 +246,14 @@ fn period(chain: &Chain) -> Option<f64> {
     (position_loop.sample_time > 0.0).then_some(position_loop.sample_time)
 }
 
-fn kicked(chain: &Chain, mut state: State, size: f64) -> State {
-    match chain.linear.link {
-        Some(_) => state[3] += size,
-        None => state[1] += size,
-    }
+/// The state after an impulse at a time.
+fn kicked(chain: &Chain, time: f64, mut state: State, size: f64) -> State {
+    let body = if chain.linear.link.is_some() { 2 } else { 0 };
+    let factors = chain
+        .inertias
+        .iter()
+        .map(|own| own.factor(time, state[body]));
+    state[body + 1] += size / factors.product::<f64>();
     state
 }
 

@@ -47,7 +47,7 @@ pub use experiment::{Experiment, Output, Window};
 pub use file::ModelError;
 pub use gain::{Gain, unify as unify_gain};
 pub use input_error::InputError;
-pub use integrate::{Kick, Restart, Timed, integrate};
+pub use integrate::{Restart, Timed, integrate};
 pub use kind::{Key, Kind, NO_RESONANCE};
 pub use kinds::KINDS;
 pub use known::Known;

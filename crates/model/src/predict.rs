@@ -7,7 +7,7 @@ use super::departure::{
     StartComponent::{Deformation, DeformationRate, MotorPosition, MotorVelocity},
 };
 use super::experiment::{Experiment, Output};
-use super::integrate::{Kick, Restart, Timed, integrate, integrate_in_parts};
+use super::integrate::{Restart, Timed, integrate, integrate_in_parts};
 use super::piecewise::{Grid, RADIANS_A_STEP};
 use super::reading::{Eyes, Prediction, Reader};
 use super::start::start;
@@ -267,7 +267,7 @@ fn add(
             chain.inertias.push(inertia);
         }
         Law::Resonance(mode) => chain.resonances.push(mode),
-        Law::Impulse { time, size } => timed.kicks.push(Kick { time, size }),
+        Law::Impulse(impulse) => timed.impulses.push(impulse),
         Law::Sensor(sensor) => sensors.push(sensor),
     }
 }

@@ -300,6 +300,30 @@ pub trait Sensor: Send + Sync {
     }
 }
 
+/// An impulse on the link: a parabola of force, or a jump of the velocity where it has no duration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impulse {
+    /// Its middle, s.
+    pub time: f64,
+    /// Its integral over the inertia without changes of that: the jump of the velocity of the link; of the motor side where
+    /// there is no link.
+    pub size: f64,
+    /// How long it lasts, s.
+    pub duration: f64,
+}
+
+impl Impulse {
+    /// Acceleration at a time: `3 size / (2 d) (1 - (2 (t - t_0) / d)^2)` within half the duration `d` of the middle `t_0`. Its
+    /// integral is the size. A step of the integrator over the whole of it is exact.
+    pub fn acceleration(&self, time: f64) -> f64 {
+        let share = 2.0 * (time - self.time) / self.duration;
+        match share.abs() < 1.0 {
+            true => 1.5 * self.size / self.duration * (1.0 - share * share),
+            false => 0.0,
+        }
+    }
+}
+
 /// The way in which an effect enters the chain.
 pub enum Law {
     /// A force at the effect's place.
@@ -315,13 +339,8 @@ pub enum Law {
     Inertia(Box<dyn Inertia>),
     /// A further mode.
     Resonance(Resonance),
-    /// An impulse on the link at a time: its velocity jumps.
-    Impulse {
-        /// When, s.
-        time: f64,
-        /// Jump of the velocity.
-        size: f64,
-    },
+    /// An impulse on the link.
+    Impulse(Impulse),
     /// A change of the sensor's reading.
     Sensor(Box<dyn Sensor>),
 }

@@ -87,8 +87,8 @@ pub use catalogue::{Catalogue, words};
 pub use curve::curve;
 pub(crate) use law::Change;
 pub use law::{
-    Drive, Force, Friction, Inertia, Law, Levels, Memory, Motion, Reading, Resonance, STATES,
-    Sensor,
+    Drive, Force, Friction, Impulse, Inertia, Law, Levels, Memory, Motion, Reading, Resonance,
+    STATES, Sensor,
 };
 pub use learned::KNOTS;
 pub(crate) use levelling::levelling;

@@ -19,6 +19,9 @@ pub enum Property {
     Alike(Likeness),
     /// A file may omit this parameter, which then has its neutral value.
     Optional(&'static str),
+    /// Only a sensor of accelerations shows this parameter. At its neutral value, below its range, the law is a simpler one,
+    /// which is fitted without it; at the low end of its range it is as good as that.
+    SeenByAccelerometers(&'static str),
     /// It may act again: an event at another [time](ParameterRole::Time), what lasts in another recording.
     Recurs,
     /// Its misfit has many minima over its size: the frequency depends on the size, and both must be right
@@ -104,6 +107,17 @@ impl Effect {
     /// Whether a file may omit a parameter.
     pub fn is_optional(&self, parameter: &Parameter) -> bool {
         self.is(|own| matches!(own, Property::Optional(name) if *name == parameter.name))
+    }
+
+    /// Whether its law is without the parameter of an index, which has this value.
+    pub fn is_without(&self, index: usize, value: f64) -> bool {
+        value == self.parameters[index].neutral && self.may_be_without(index)
+    }
+
+    /// Whether its law may be without the parameter of an index.
+    pub fn may_be_without(&self, index: usize) -> bool {
+        let own = self.parameters[index].name;
+        self.is(|other| matches!(other, Property::SeenByAccelerometers(name) if *name == own))
     }
 
     /// Whether it may act again, at another time or in another recording.

@@ -3,7 +3,6 @@
 use super::super::joint::{Body, Hose};
 use super::super::surfaces::{DryFriction, Knock, Stop};
 use super::{Arm, Entry, OUTER, Parameters, Scales, between, entry, log_between, sign};
-use nalgebra::Complex;
 use std::f64::consts::{PI, TAU};
 
 const PLACE: &str = "link";
@@ -194,10 +193,9 @@ fn knocks(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Paramet
             length,
             force,
         });
-        let (gain, late) = as_impulse(arm, length);
-        parameters.push((name, start + 0.5 * length + late));
+        parameters.push((name, start + 0.5 * length));
         if count == 1 {
-            parameters.push(("jump", gain * jump * sign(shape[3])));
+            parameters.push(("jump", jump * sign(shape[3])));
         }
     }
     // Signs differ from knock to knock.
@@ -213,19 +211,4 @@ fn shaker(arm: &mut Arm, scales: &Scales, shape: [f64; 4], size: f64) -> Paramet
     let amplitude = size * scales.deformation;
     arm.joint.shaking = [amplitude * arm.joint.stiffness, frequency, TAU * shape[1]];
     vec![("amplitude", amplitude), ("frequency", frequency)]
-}
-
-/// The ringing that half a sine of force leaves of the mode: as much as an impulse of so many times its
-/// area, so much after its middle.
-///
-/// With `s` the mode's pole, mirrored, and the length `L` its integral with `exp(s t)` is that of an
-/// impulse in the middle times `cosh(s L / 2) / (1 + (s L / pi)^2)`.
-fn as_impulse(arm: &Arm, length: f64) -> (f64, f64) {
-    let joint = &arm.joint;
-    let decay = 0.5 * joint.damping / joint.inertia;
-    let turns = (joint.stiffness / joint.inertia - decay * decay).sqrt();
-    let half = Complex::new(decay, turns) * (0.5 * length);
-    let ratio = half.cosh() / ((half * (2.0 / PI)).powi(2) + 1.0);
-    let late = ratio.arg() / turns;
-    (ratio.norm() * (-decay * late).exp(), late)
 }
