@@ -29,7 +29,7 @@ fn what_follows_is_short_and_nothing_is_certain() {
         let (early, made) = diagnosed(&case, most);
         let after = made.saturating_sub(most);
         println!("{share}: {after} of {all} after it, {:?}", early.verdict);
-        // The dozen explanations that are kept are fitted to their ends and judged, each with a Jacobian of ten unknowns.
+        // The explanations that are kept are fitted to their ends and judged, each with a Jacobian of ten unknowns.
         assert!(10 * after < all, "{after} of {all} after {most}");
         assert!(early.ended_early && early.verdict != Verdict::Named);
         assert!(

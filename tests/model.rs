@@ -278,7 +278,9 @@ fn val_a_parabola_of_force_leaves_the_ringing_of_its_transform() {
         for (t, link) in rung {
             let pole = Complex::new(-damping_ratio, turns) * (t - time);
             let exact = size / turns * (pole.exp() * factor.conj()).im;
-            assert!((link[0] - exact).abs() < 1e-9, "{duration} s, at {t}");
+            // A step over the whole of it errs by the damper: `12 size / d^3 * 2 xi * d^5 / 120`.
+            let error = (link[0] - exact).abs();
+            assert!(error < 2e-7, "{duration} s, at {t}: {error}");
         }
     }
 }

@@ -169,13 +169,15 @@ fn a_further_mode_is_found_wherever_it_is() {
     }
 }
 
-/// Knocks against a machine at these times, this hard.
+/// Knocks against a machine at these times, this hard; so short that the velocity jumps.
 fn knocks(machine: &Machine, all: &[(f64, f64)]) -> Vec<Term> {
     let effect = Effect::from_name("external_disturbance").unwrap();
     let when = effect.event_time().unwrap();
+    let duration = effect.index(ParameterRole::Shape).unwrap();
     let knock = |&(time, factor): &(f64, f64)| {
         let mut term = typical(machine, effect, Place::Environment, factor);
         term.values[when] = time;
+        term.values[duration] = 0.0;
         term
     };
     all.iter().map(knock).collect()

@@ -12,7 +12,9 @@ use std::cmp::Ordering;
 
 /// Explanations that are fitted again after the noise has changed: more than a credible set has. Those that are far less
 /// probable than the best one are among them, since a parameter of that may then be at the end of its range.
-const KEPT: usize = 12;
+pub const KEPT: usize = 12;
+/// Explanations that are fitted to their ends where the search was cut: there is no time for more.
+pub const KEPT_AT_A_CUT: usize = 6;
 
 /// Assumed relative error of the catalogue's laws, which are idealised; its shape is unknown.
 ///
@@ -96,10 +98,15 @@ impl Pool {
         self.all.len()
     }
 
-    /// The refitted model and the most probable structures, each fitted anew.
-    pub fn map(&self, judge: &Judge, refit: impl Fn(&Explanation) -> Explanation + Sync) -> Self {
+    /// The refitted model and so many most probable structures, each fitted anew.
+    pub fn map(
+        &self,
+        judge: &Judge,
+        kept: usize,
+        refit: impl Fn(&Explanation) -> Explanation + Sync,
+    ) -> Self {
         let ranked = self.ranked(self.temperature(judge));
-        let first = ranked.iter().take(KEPT);
+        let first = ranked.iter().take(kept);
         let first: Vec<&Explanation> = first.map(|own| own.0).collect();
         let is_kept = |own: &Explanation| {
             own.terms() == 0 || first.iter().any(|other| std::ptr::eq(*other, own))

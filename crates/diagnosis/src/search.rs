@@ -13,9 +13,9 @@ use super::thresholds::{BEAM, LONG, MOST_EFFECTS};
 use rayon::prelude::*;
 use std::sync::atomic::Ordering::Relaxed;
 
-/// Work, in simulated steps, after which the search ends with the best explanation so far: some thirty seconds
+/// Work, in simulated steps, after which the search ends with the best explanation so far: some fifty seconds
 /// on one core.
-const ENOUGH: u64 = 60_000_000;
+const ENOUGH: u64 = 100_000_000;
 
 /// Inputs of the search.
 pub struct Search<'a> {

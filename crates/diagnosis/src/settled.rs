@@ -6,7 +6,7 @@ use super::descent::Descent;
 use super::judge::Judge;
 use super::outcome::Progress;
 use super::point::Point;
-use super::pool::Pool;
+use super::pool::{KEPT, KEPT_AT_A_CUT, Pool};
 use super::problem::Problem;
 use super::projector::Projector;
 use super::screen::Table;
@@ -93,7 +93,7 @@ impl Search<'_> {
     /// The most probable explanations of a pool, fitted again and thinned out again: parameters may have reached the end of their
     /// range.
     pub fn fitted_again(&self, pool: &Pool) -> Pool {
-        let mut again = pool.map(self.judge, |own| {
+        let mut again = pool.map(self.judge, KEPT, |own| {
             let (problem, projector) = (self.problem, self.projector);
             let mut descent = Descent::new(problem, projector, &own.fitted.point, None);
             descent.run(LONG);
@@ -108,7 +108,9 @@ impl Search<'_> {
 
     /// The most probable explanations of a pool, each fitted from where its fit was left.
     fn converged(&self, pool: &Pool) -> Pool {
-        pool.map(self.judge, |own| self.refitted(&own.fitted.point))
+        pool.map(self.judge, KEPT_AT_A_CUT, |own| {
+            self.refitted(&own.fitted.point)
+        })
     }
 }
 

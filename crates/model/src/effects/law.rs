@@ -314,7 +314,7 @@ pub struct Impulse {
 
 impl Impulse {
     /// Acceleration at a time: `3 size / (2 d) (1 - (2 (t - t_0) / d)^2)` within half the duration `d` of the middle `t_0`. Its
-    /// integral is the size. A step of the integrator over the whole of it is exact.
+    /// integral is the size. A step of the integrator over the whole of it is exact for a free mass.
     pub fn acceleration(&self, time: f64) -> f64 {
         let share = 2.0 * (time - self.time) / self.duration;
         match share.abs() < 1.0 {
