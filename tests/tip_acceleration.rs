@@ -38,6 +38,13 @@ fn recording(motor: &[f64], columns: Vec<Vec<f64>>) -> Recording {
     }
 }
 
+/// Samples of the sensor's noise.
+fn noise(seed: u64) -> impl FnMut() -> f64 {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let normal = Normal::new(0.0, NOISE).unwrap();
+    move || normal.sample(&mut random)
+}
+
 /// Smooth moves of a radian, there and back.
 fn motor() -> Vec<f64> {
     let step = |t: f64| {
@@ -73,16 +80,11 @@ fn accelerations(truth: &Model) -> [Vec<f64>; 2] {
 #[test]
 fn columns_of_a_turned_sensor_are_read_along_the_motion() {
     let [along, across] = accelerations(&joint(8.0));
-    let (mut random, normal) = (
-        ChaCha8Rng::seed_from_u64(3),
-        Normal::new(0.0, NOISE).unwrap(),
-    );
+    let mut noise = noise(3);
     let mut column = |[tangential, radial, offset]: [f64; 3]| -> Vec<f64> {
         let pairs = along.iter().zip(&across);
         let values = pairs.map(|(t, r)| tangential * t + radial * r + offset);
-        values
-            .map(|value| value + normal.sample(&mut random))
-            .collect()
+        values.map(|value| value + noise()).collect()
     };
     // The first axis sees mostly what acts across.
     let (sin, cos) = 1.1f64.sin_cos();
@@ -126,11 +128,8 @@ fn columns_of_a_turned_sensor_are_read_along_the_motion() {
 
 #[test]
 fn columns_without_motion_are_refused() {
-    let (mut random, normal) = (
-        ChaCha8Rng::seed_from_u64(4),
-        Normal::new(0.0, NOISE).unwrap(),
-    );
-    let still = [0, 1, 2].map(|_| (0..2400).map(|_| normal.sample(&mut random)).collect());
+    let mut noise = noise(4);
+    let still = [0, 1, 2].map(|_| (0..2400).map(|_| noise()).collect());
     let motor: Vec<f64> = (0..2400).map(|k| 1e-6 * f64::from(k % 2)).collect();
     let error = Experiment::new(&joint(8.0), &recording(&motor, still.to_vec())).unwrap_err();
     assert!(
@@ -174,15 +173,12 @@ fn knocked(time: f64, duration: f64, jump: f64) -> Vec<f64> {
 #[test]
 fn two_knocks_have_their_durations() {
     let [along, _] = accelerations(&joint(8.0));
-    let (mut random, normal) = (
-        ChaCha8Rng::seed_from_u64(5),
-        Normal::new(0.0, NOISE).unwrap(),
-    );
+    let mut noise = noise(5);
     let knocks = [(1.2, 0.03, 0.02), (3.2, 0.012, -0.01)];
     let all = knocks.map(|(time, duration, jump)| knocked(time, duration, jump));
     let mut with = |share: f64| {
         let value = |k: usize| along[k] + share * ARM * (all[0][k] + all[1][k]);
-        let noisy = (0..2400).map(|k| value(k) + normal.sample(&mut random));
+        let noisy = (0..2400).map(|k| value(k) + noise());
         recording(&motor(), vec![noisy.collect()])
     };
     let (own, apart) = (with(1.0), with(0.0));

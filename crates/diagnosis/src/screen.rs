@@ -193,20 +193,22 @@ impl<'a> Screen<'a> {
     }
 
     /// An effect at its place with the values of its grid, a learned law with the range of that place. What happened in a
-    /// recording has a grid for each. Without an accelerometer a law is tried without what only that shows.
+    /// recording has a grid for each. A law is also tried without what only an accelerometer shows; where there is none, only so.
     fn starts(&self, effect: &'static Effect, place: Place) -> Vec<Term> {
         let problem = self.problem;
         let outputs = problem.experiments.iter().flat_map(|own| &own.outputs);
         let are_seen = outputs.map(|own| own.role).any(Role::is_acceleration);
-        let is_seen = |own: &(usize, &f64)| {
-            are_seen || !effect.may_be_without(own.0) || effect.is_without(own.0, *own.1)
+        let laws = |values: Vec<f64>| match effect.without_accelerometer(&values) {
+            Some(simpler) if are_seen => vec![simpler, values],
+            Some(simpler) => vec![simpler],
+            None => vec![values],
         };
         let of = |scales: &Scales, recording: Option<usize>| -> Vec<Term> {
             let term = |values| Term::new(effect, place, values).in_recording(recording);
             effect
                 .starts_at(place, scales)
                 .into_iter()
-                .filter(|values| values.iter().enumerate().all(|own| is_seen(&own)))
+                .flat_map(laws)
                 .map(term)
                 .collect()
         };

@@ -211,11 +211,6 @@ impl Chain {
             ..Instant::default()
         };
         if LAWS {
-            let body = usize::from(linear.link.is_some());
-            if constants.mobility[body] > 0.0 {
-                let each = self.impulses.iter().map(|own| own.acceleration(time));
-                bodies.force[body] += each.sum::<f64>() / constants.mobility[body];
-            }
             instant.holding = self.resist(&motion, ratio, &mut bodies);
             for (k, mode) in self.resonances.iter().take(RESONANCES).enumerate() {
                 let (x, v) = (state[4 + 2 * k], state[5 + 2 * k]);
@@ -237,6 +232,15 @@ impl Chain {
     #[inline(always)]
     fn resist(&self, motion: &Motion, ratio: f64, bodies: &mut Bodies) -> [f64; 3] {
         let unit = self.linear.unit_force;
+        let body = usize::from(self.linear.link.is_some());
+        // Before laws change the inertia, which the size of an impulse is told without.
+        if bodies.mobility[body] > 0.0 {
+            let each = self
+                .impulses
+                .iter()
+                .map(|own| own.acceleration(motion.time));
+            bodies.force[body] += each.sum::<f64>() / bodies.mobility[body];
+        }
         for element in &self.forces {
             let attachment = self.attachment(element.place);
             let [x, v] = coordinate(attachment, motion);
@@ -246,7 +250,6 @@ impl Chain {
                 bodies.load(attachment, unit * inertia);
             }
         }
-        let body = usize::from(self.linear.link.is_some());
         for inertia in &self.inertias {
             bodies.reshape(inertia.as_ref(), motion, body);
         }

@@ -112,9 +112,9 @@ impl<'a> Journey<'a> {
             last: *grid.time.get(1)?,
             input: grid.input.first()?,
         };
-        let stops = stops(chain, grid, timed);
         let lasting = timed.impulses.iter().filter(|own| own.duration > 0.0);
         chain.impulses = lasting.copied().collect();
+        let stops = stops(chain, grid, timed);
         let ticks = Ticks::new(chain, &state);
         Some(Self {
             stepper: Stepper::new(chain, &span, &state, grid.time[1] - grid.time[0]),
@@ -200,10 +200,9 @@ impl<'a> Journey<'a> {
 /// All instants from the first node on, in order.
 fn stops(chain: &Chain, grid: &Grid, timed: &Timed) -> Vec<(f64, Stop)> {
     let breaks = timed.breaks.iter().map(|&time| (time, Stop::Break));
-    let all = timed.impulses.iter();
-    let (lasting, short): (Vec<&Impulse>, Vec<&Impulse>) = all.partition(|own| own.duration > 0.0);
-    let kicks = short.iter().map(|own| (own.time, Stop::Kick(own.size)));
-    let ends = lasting.iter().flat_map(|own| {
+    let short = timed.impulses.iter().filter(|own| own.duration <= 0.0);
+    let kicks = short.map(|own| (own.time, Stop::Kick(own.size)));
+    let ends = chain.impulses.iter().flat_map(|own| {
         let half = 0.5 * own.duration;
         [own.time - half, own.time + half].map(|time| (time, Stop::Break))
     });

@@ -56,6 +56,6 @@ pub const EXTERNAL_DISTURBANCE: Effect = Effect {
     },
     starts: |scales| {
         let jumps = [-0.1, 0.1].map(|size| size * scales.deformation_rate);
-        product(&[&jumps, &times(scales, 12), &[0.0, typical(scales)]])
+        product(&[&jumps, &times(scales, 12), &[typical(scales)]])
     },
 };

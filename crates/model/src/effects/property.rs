@@ -114,6 +114,14 @@ impl Effect {
         value == self.parameters[index].neutral && self.may_be_without(index)
     }
 
+    /// Values of the simpler law without what only a sensor of accelerations shows; `None` where there is nothing of it.
+    pub fn without_accelerometer(&self, values: &[f64]) -> Option<Vec<f64>> {
+        let shown = (0..values.len()).filter(|index| self.may_be_without(*index));
+        let mut simpler = values.to_vec();
+        shown.for_each(|index| simpler[index] = self.parameters[index].neutral);
+        (simpler != values).then_some(simpler)
+    }
+
     /// Whether its law may be without the parameter of an index.
     pub fn may_be_without(&self, index: usize) -> bool {
         let own = self.parameters[index].name;
