@@ -15,8 +15,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha12Rng;
 use rand_distr::StandardNormal;
 
-/// Hops of each width.
-const EACH: usize = 4;
+/// Rounds of hops.
+const ROUNDS: usize = 4;
 /// Steps of the descent after a hop: as many as a candidate makes before its best start is chosen.
 const STEPS: usize = 6;
 /// Widths of the hops in turn, in standard deviations of the unknowns: from the scatter that noise causes to a
@@ -24,20 +24,26 @@ const STEPS: usize = 6;
 const WIDTHS: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
 
 impl Descent<'_> {
-    /// Hops around the present point, from a fixed seed, and stays where the cost is least.
-    pub fn hop(&mut self) {
+    /// Hops around the present point, from a fixed seed, and stays where the cost is least. A round has a hop of each width.
+    /// Where a rival is ahead, no further round follows one that gained so little that all the rest would not reach it.
+    pub fn hop(&mut self, rival: f64) {
         let mut random = ChaCha12Rng::seed_from_u64(1);
-        for width in WIDTHS.repeat(EACH) {
-            if self.is_cut() {
-                return;
+        for left in (0..ROUNDS).rev() {
+            let before = self.cost();
+            for width in WIDTHS {
+                let step = self.drawn(width, &mut random);
+                let Some(step) = step.filter(|_| !self.is_cut()) else {
+                    return;
+                };
+                let mut next = self.stepped(&step);
+                next.run_against(STEPS, self.cost());
+                if next.cost() < self.cost() {
+                    *self = next;
+                }
             }
-            let Some(step) = self.drawn(width, &mut random) else {
+            let fall = before - self.cost();
+            if fall * (left as f64) < self.cost() - rival {
                 return;
-            };
-            let mut next = self.stepped(&step);
-            next.run_against(STEPS, self.cost());
-            if next.cost() < self.cost() {
-                *self = next;
             }
         }
     }

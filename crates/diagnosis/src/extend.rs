@@ -39,7 +39,7 @@ impl Search<'_> {
             let fall = -2.0 * CALIBRATED * pool.unit(self.judge) * problem.log_prior_of_one();
             found = search.screened(from, linear, table, fall);
         }
-        let mut halving = Halving::new(&search, from, linear.as_ref());
+        let mut halving = Halving::new(&search, from, linear.as_ref(), pool);
         halving.enter(found);
         // Learned laws compete with the best explanation that is known.
         let rival = match table {
@@ -60,7 +60,7 @@ impl Search<'_> {
             ?table,
             temperature,
             simulations = quell_model::simulations() - before,
-            fitted = found.len(), nodes = problem.experiments[0].grid.input.len(), rows = problem.experiments[0].samples(),
+            fitted = found.len(),
             "extended"
         );
         found
@@ -80,7 +80,7 @@ impl Search<'_> {
         for &key in &problem.free {
             believed.keys[key] = problem.beliefs[key].0;
         }
-        let starts = screen(problem, point, linear, self.projector, (table, SIZES));
+        let starts = screen(problem, point, linear, self.projector, (table, SIZES, fall));
         let candidate = |starts: Vec<Start>| {
             let with = |from: &Point, s: &Start| from.with(s.term.clone());
             let near = starts.iter().map(|start| with(point, start));

@@ -7,6 +7,7 @@ use super::descent::Descent;
 use super::explanation::Explanation;
 use super::fit::Linearised;
 use super::point::{EffectAt, Point};
+use super::pool::Pool;
 use super::search::Search;
 use super::thresholds::{LONG, LOST, SECOND, SHORT};
 use rayon::prelude::*;
@@ -25,6 +26,8 @@ pub(super) struct Halving<'a> {
     linear: Option<&'a Linearised>,
     entrants: Vec<Entrant<'a>>,
     leader: Option<Explanation>,
+    /// Cost of an explanation of no more effects that is known and leaves nothing but noise.
+    known: Option<f64>,
 }
 
 /// A candidate with its fits.
@@ -41,18 +44,23 @@ impl Entrant<'_> {
 }
 
 impl<'a> Halving<'a> {
-    /// A halving without entrants.
+    /// A halving without entrants. No further effect is credible that does not come near a known explanation of no more effects
+    /// that leaves nothing but noise.
     pub fn new(
         search: &'a Search<'a>,
         from: &'a Explanation,
         linear: Option<&'a Linearised>,
+        pool: &Pool,
     ) -> Self {
+        let best = pool.best(search.judge);
+        let is_rival = search.leaves_noise(best) && best.terms() <= from.terms() + 1;
         Self {
             search,
             from,
             linear,
             entrants: Vec::new(),
             leader: None,
+            known: is_rival.then_some(best.fitted.cost),
         }
     }
 
@@ -102,12 +110,13 @@ impl<'a> Halving<'a> {
         let all = (0..self.entrants.len()).filter(plain);
         if let Some(first) = all.min_by(|a, b| cost(a).total_cmp(&cost(b))) {
             let entrant = self.entrants.remove(first);
+            let rival = rival.min(self.ahead());
             let chosen = self.chosen(entrant, rival);
-            self.leader = chosen.map(|descent| self.carried(descent, rival));
+            self.leader = chosen.and_then(|descent| self.carried(descent, rival));
         }
     }
 
-    /// Whether the leader leaves nothing but noise.
+    /// Whether the leader, or a known explanation, leaves nothing but noise.
     pub fn is_won(&self) -> bool {
         self.winner().is_some()
     }
@@ -129,7 +138,7 @@ impl<'a> Halving<'a> {
         };
         entrants.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         let behind = entrants.split_off(HALF.min(entrants.len()));
-        let mut chosen = chosen_of(entrants, winner);
+        let mut chosen = chosen_of(entrants, self.ahead());
         // A candidate behind must beat the last of these.
         let last = chosen.iter().map(Descent::cost);
         let last = last.fold(f64::NEG_INFINITY, f64::max);
@@ -142,23 +151,28 @@ impl<'a> Halving<'a> {
         chosen.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         chosen.truncate(HALF);
         let costs = chosen.iter().map(Descent::cost);
-        let leader = self.leader.as_ref();
-        let ahead = costs.chain(leader.map(|own| own.fitted.cost));
-        let ahead = ahead.fold(f64::INFINITY, f64::min);
+        let ahead = costs.fold(self.ahead(), f64::min);
         let trials = chosen
             .into_par_iter()
-            .map(|descent| self.carried(descent, ahead));
+            .filter_map(|descent| self.carried(descent, ahead));
         let mut trials: Vec<Explanation> = trials.collect();
         trials.extend(self.leader);
         trials
     }
 
-    /// Cost of the leader if it leaves nothing but noise.
+    /// Least cost of the leader and of the known explanation, of those that leave nothing but noise.
     fn winner(&self) -> Option<f64> {
-        let leader = self.leader.as_ref()?;
-        self.search
-            .leaves_noise(leader)
-            .then_some(leader.fitted.cost)
+        let leader = self.leader.as_ref();
+        let leader = leader.filter(|own| self.search.leaves_noise(own));
+        let costs = leader.map(|own| own.fitted.cost).into_iter();
+        costs.chain(self.known).min_by(f64::total_cmp)
+    }
+
+    /// Least cost of the leader and of the known explanation.
+    fn ahead(&self) -> f64 {
+        let leader = self.leader.as_ref().map(|own| own.fitted.cost);
+        let costs = leader.into_iter().chain(self.known);
+        costs.fold(f64::INFINITY, f64::min)
     }
 
     /// The best of a candidate's starts, fitted towards `rival`.
@@ -173,16 +187,20 @@ impl<'a> Halving<'a> {
         (best.cost() <= self.from.fitted.cost).then_some(best)
     }
 
-    /// A fit carried to convergence, or until it cannot reach the one ahead any more; judged.
-    fn carried(&self, mut descent: Descent<'a>, ahead: f64) -> Explanation {
+    /// A fit carried to convergence, or until it cannot reach the one ahead any more; judged. `None` where it is not near a known
+    /// explanation.
+    fn carried(&self, mut descent: Descent<'a>, ahead: f64) -> Option<Explanation> {
         let explained = |cost: f64| self.from.fitted.cost - cost;
         let near = |winner| explained(descent.cost()) > NEARER * explained(winner);
         let carries = self.winner().is_none_or(near);
         if carries {
             descent.run_against(LONG, ahead);
             if descent.winds() && descent.cost() < LOST * ahead {
-                descent.hop();
+                descent.hop(ahead);
             }
+        }
+        if !carries && self.known.is_some() {
+            return None;
         }
         let Search {
             problem,
@@ -191,9 +209,9 @@ impl<'a> Halving<'a> {
             ..
         } = self.search;
         let explanation = judge.judge(problem, projector, descent.end());
-        match carries {
+        Some(match carries {
             true => self.search.recurring(explanation),
             false => explanation,
-        }
+        })
     }
 }
