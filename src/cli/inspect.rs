@@ -59,7 +59,8 @@ pub fn run(args: Args) -> Result<(), CliError> {
         );
     }
     if is_csv(&path) || (path.is_dir() && !path.join(MANIFEST).exists()) {
-        return proposed(&path, &args);
+        let as_it_is = |text: &str| Ok(text.into());
+        return propose(&path, ("inspect", args.force), args.json, as_it_is);
     }
     let read = Joints::read(&args.recording)?;
     match args.json {
@@ -93,9 +94,17 @@ fn follows(recording: &Recording, path: &Path) -> Vec<OsString> {
     words.into_iter().map(OsStr::to_owned).collect()
 }
 
-/// The manifests proposed for CSV files, with the content of the first.
-fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
-    let written = propose::write(path, args.force)?;
+/// Writes the manifests proposed for CSV files for a verb, as it edits them, and tells the content of the first.
+///
+/// # Errors
+/// [`CliError::Input`] where the files are refused, a manifest would replace a user's; those of the edit.
+pub fn propose(
+    path: &Path,
+    by: (&'static str, Force),
+    as_json: bool,
+    edit: impl FnMut(&str) -> Result<String, CliError>,
+) -> Result<(), CliError> {
+    let written = propose::write(path, by, edit)?;
     let Some((manifest, _)) = written.manifests.first() else {
         return Ok(());
     };
@@ -124,7 +133,7 @@ fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
         ),
     };
     all["proposal"] = written.document();
-    match args.json {
+    match as_json {
         true => output::json(&all),
         false => output::text(&format!("{}\n{text}\n{next}", written.text())),
     }

@@ -14,13 +14,20 @@ pub struct Written {
     pub open: Vec<String>,
 }
 
-/// Proposes manifests for a CSV file or the CSV files of a folder, and writes them beside these.
+/// Proposes manifests for a CSV file or the CSV files of a folder, and writes them beside these for a verb, as it edits them.
 ///
 /// # Errors
-/// [`CliError::Input`] where a file cannot be interpreted, or a manifest would replace a user's.
-pub fn write(path: &Path, force: Force) -> Result<Written, CliError> {
+/// [`CliError::Input`] where a file cannot be interpreted, or a manifest would replace a user's; those of the edit.
+pub fn write(
+    path: &Path,
+    by: (&'static str, Force),
+    mut edit: impl FnMut(&str) -> Result<String, CliError>,
+) -> Result<Written, CliError> {
+    let force = by.1;
     let Proposal {
-        manifests, open, ..
+        manifests,
+        mut open,
+        ..
     } = propose(path)?;
     let folder = match path.is_dir() {
         true => path,
@@ -28,7 +35,7 @@ pub fn write(path: &Path, force: Force) -> Result<Written, CliError> {
     };
     let open_out = |manifests: &[Proposed]| {
         let names = manifests.iter().map(|one| one.name.as_str());
-        Out::open(folder, ("inspect", force), &[path], names)
+        Out::open(folder, by, &[path], names)
     };
     let mut manifests: Vec<Proposed> = manifests;
     if is_taken(folder, path) {
@@ -42,6 +49,14 @@ pub fn write(path: &Path, force: Force) -> Result<Written, CliError> {
         }
         Err(error) => return Err(error),
     };
+    for one in &mut manifests {
+        let edited = edit(&one.text)?;
+        // Somebody has seen what is not certain, and has said what it is.
+        if edited != one.text {
+            open.clear();
+        }
+        one.text = edited;
+    }
     let stage = out.stage()?;
     for one in &manifests {
         stage.file(&one.name, &one.text)?;
