@@ -76,8 +76,8 @@ fn a_column_is_asked_for_with_its_role_and_its_unit() {
     );
     let text = manifest(&folder);
     for line in [
-        "role = \"deformation\"",
-        "unit = \"mm\"",
+        "role = \"link_position\"",
+        "unit = \"mrad\"",
         "column = \"signal\"",
     ] {
         assert!(text.contains(&format!("\n{line}")), "{text}");
