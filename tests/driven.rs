@@ -133,11 +133,14 @@ fn inverse_dynamics_sees_friction_through_the_noise_of_a_position() {
     let (mut torque, mut position) = (Vec::new(), Vec::new());
     for k in 0..(LENGTH * rate) as usize {
         let t = k as f64 / rate;
-        let [[q, v], next, before] = [t, t + 1e-5, t - 1e-5].map(moves);
-        let slides = if v == 0.0 { 0.0 } else { friction * v.signum() };
-        let acceleration = (next[1] - before[1]) / 2e-5;
+        let [slow, fast] = [0.4, 0.9].map(|hertz| TAU * hertz);
+        let [q, v, acceleration] = [
+            0.5 * (slow * t).sin() + 0.3 * (fast * t).sin(),
+            0.5 * slow * (slow * t).cos() + 0.3 * fast * (fast * t).cos(),
+            -0.5 * slow * slow * (slow * t).sin() - 0.3 * fast * fast * (fast * t).sin(),
+        ];
         let noise = 0.05 * random.sample::<f64, _>(StandardNormal);
-        torque.push(mass * acceleration + viscous * v + slides + noise);
+        torque.push(mass * acceleration + viscous * v + friction * v.signum() + noise);
         position.push(q);
     }
     let told = diagnosed(
