@@ -346,7 +346,7 @@ fn a_channel_of_the_drive_alone_tells_its_decay_and_nothing_else() {
         "force_N",
         "motor_voltage_V",
     ] {
-        let found = identify(header, &[noisy.clone()]);
+        let found = identify(header, std::slice::from_ref(&noisy));
         holds(&found, &[(3.7, 0.04)]);
     }
     let moves = |k: usize| {

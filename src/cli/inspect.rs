@@ -15,7 +15,8 @@ use crate::recording::{
 use crate::signal::{Contradiction, Hangs};
 use document::document;
 use joints::Joints;
-use serde_json::{Value, json};
+pub use propose::told as propose;
+use serde_json::Value;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
@@ -92,51 +93,6 @@ fn follows(recording: &Recording, path: &Path) -> Vec<OsString> {
         (false, _) => vec![diagnose, option, model, path],
     };
     words.into_iter().map(OsStr::to_owned).collect()
-}
-
-/// Writes the manifests proposed for CSV files for a verb, as it edits them, and tells the content of the first.
-///
-/// # Errors
-/// [`CliError::Input`] where the files are refused, a manifest would replace a user's; those of the edit.
-pub fn propose(
-    path: &Path,
-    by: (&'static str, Force),
-    as_json: bool,
-    edit: impl FnMut(&str) -> Result<String, CliError>,
-) -> Result<(), CliError> {
-    let written = propose::write(path, by, edit)?;
-    let Some((manifest, _)) = written.manifests.first() else {
-        return Ok(());
-    };
-    let read = Joints::read(manifest);
-    let words = match &read {
-        Ok(joints) => joints.follows(),
-        Err(_) => vec!["inspect".into(), manifest.as_os_str().to_owned()],
-    };
-    let next = match written.open.is_empty() {
-        true => next::command(words),
-        false => format!(
-            "Next: correct {}\n{}",
-            manifest.display(),
-            next::then(words)
-        ),
-    };
-    let (text, mut all) = match &read {
-        Ok(joints) => (joints.text(), joints.document()),
-        Err(error) if written.is_empty() => (
-            "It cannot be read yet: it has no [[channel]]\n".into(),
-            json!({"refused": error.to_string()}),
-        ),
-        Err(error) => (
-            format!("It cannot be read yet: {error}\n"),
-            json!({"refused": error.to_string()}),
-        ),
-    };
-    all["proposal"] = written.document();
-    match as_json {
-        true => output::json(&all),
-        false => output::text(&format!("{}\n{text}\n{next}", written.text())),
-    }
 }
 
 /// The topics of an MCAP file, and the recording of the named joint, or of the only one.
