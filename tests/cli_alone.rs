@@ -329,6 +329,39 @@ fn a_position_alone_and_a_motor_that_stands_give_a_decay() {
 }
 
 /// What `quell identify` says of a file that it refuses.
+/// A held arm shows its decay in the current of its servo, too. What somebody drove is no vibration.
+#[test]
+fn a_channel_of_the_drive_alone_tells_its_decay_and_nothing_else() {
+    let mut rng = generator(12);
+    let shows = |hertz: f64| ring([hertz, 0.04, 1.0, 0.3], 12_000);
+    let noisy: Vec<f64> = shows(3.7)
+        .iter()
+        .map(|own| own + 0.004 * noise(&mut rng))
+        .collect();
+    for header in [
+        "motor_current_A",
+        "joint_torque_Nm",
+        "motor_position_rad",
+        "motor_velocity_rad_s",
+        "force_N",
+        "motor_voltage_V",
+    ] {
+        let found = identify(header, std::slice::from_ref(&noisy));
+        holds(&found, &[(3.7, 0.04)]);
+    }
+    let moves = |k: usize| {
+        let t = k as f64 / RATE;
+        (0.4 * t).sin() + (0.9 * t).sin() + 1e-4 * noise(&mut rng)
+    };
+    let driven: Vec<f64> = (0..12_000).map(moves).collect();
+    let told = refusal(&in_time("motor_position_rad", &[driven]));
+    assert!(
+        told.contains("motor_position alone tells a mode where it decays freely")
+            || told.contains("no mode was found"),
+        "{told}"
+    );
+}
+
 fn refusal(text: &str) -> String {
     let folder = TempDir::new().unwrap();
     std::fs::write(folder.path().join("run.csv"), text).unwrap();

@@ -164,6 +164,31 @@ fn a_counter_that_begins_again_is_told_and_read_without_its_jumps() {
     }
 }
 
+/// Without a manifest nobody else would say that stamps are read in another way than they stand there.
+#[test]
+fn a_counter_of_time_that_begins_again_is_told_without_a_manifest() {
+    let row = |k: usize| {
+        let (t, w) = (k as f64 / 500.0, TAU * 5.5);
+        let rings = if t < 1.0 {
+            0.0
+        } else {
+            (-0.03 * w * (t - 1.0)).exp() * (w * (t - 1.0)).cos()
+        };
+        let count = ((1_u64 << 32) - 3_000_000 + 2_000 * k as u64) % (1 << 32);
+        format!("{count},{:.6}", rings + 0.003 * noise(k))
+    };
+    let folder = written("time_us,accel_x_g", (0..4_000).map(row));
+    let (told, error) = quell(&folder, &["identify", "run.csv"]);
+    has(&told, &["Recommended"]);
+    has(
+        &error,
+        &["run.csv: \"time_us\" is read with time_wrap = 4294967296: the time falls by that once"],
+    );
+    // A manifest says it, and so does `inspect`.
+    quell(&folder, &["inspect", "run.csv"]);
+    assert_eq!(quell(&folder, &["identify", "recording.toml"]).1, "");
+}
+
 #[test]
 fn noise_below_the_rounding_is_called_rounding() {
     let rows = joint(500.0, (5.5, 0.03), 0.3, 6.0).into_iter();

@@ -124,6 +124,57 @@ fn a_bearing_that_creeps_is_named() {
     of("transition_velocity", transition);
 }
 
+/// The second difference of this noise is 6 rad/s^2 at 500 Hz: seen through it, a lag that smoothes and an advance that takes the lag back
+/// were told in the place of the friction.
+#[test]
+fn inverse_dynamics_sees_friction_through_the_noise_of_a_position() {
+    let (mass, friction, viscous, rate) = (0.35, 0.4, 0.25, 500.0);
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let (mut torque, mut position) = (Vec::new(), Vec::new());
+    for k in 0..(LENGTH * rate) as usize {
+        let t = k as f64 / rate;
+        let [slow, fast] = [0.4, 0.9].map(|hertz| TAU * hertz);
+        let [q, v, acceleration] = [
+            0.5 * (slow * t).sin() + 0.3 * (fast * t).sin(),
+            0.5 * slow * (slow * t).cos() + 0.3 * fast * (fast * t).cos(),
+            -0.5 * slow * slow * (slow * t).sin() - 0.3 * fast * fast * (fast * t).sin(),
+        ];
+        let noise = 0.05 * random.sample::<f64, _>(StandardNormal);
+        torque.push(mass * acceleration + viscous * v + friction * v.signum() + noise);
+        position.push(q);
+    }
+    let told = diagnosed(
+        "kind = \"inverse_dynamics\"\nmass = 0.35\n",
+        // The torque stands first: the unit of positions is not its own.
+        vec![
+            (Role::Torque, "N.m", torque),
+            (Role::MotorPosition, "rad", position),
+        ],
+        rate,
+    )
+    .diagnosis;
+    let found: Vec<&str> = told
+        .findings
+        .iter()
+        .map(|own| own.effect.as_str())
+        .collect();
+    assert!(found.len() == 2, "{found:?}: {}", told.summary);
+    check(
+        &told,
+        "coulomb_friction",
+        "transmission",
+        "friction",
+        friction,
+    );
+    let drag = told
+        .findings
+        .iter()
+        .find(|own| own.effect.starts_with("viscous"));
+    let drag = &drag.unwrap().parameters[0];
+    assert!((drag.value / viscous - 1.0).abs() < 0.1, "{drag:?}");
+    assert_eq!(drag.unit, "N.m.s/rad");
+}
+
 /// A torque that a loop makes drives the motor side, and nothing in the model brings it back.
 #[test]
 fn a_driven_motor_shows_its_friction_and_its_cogging() {

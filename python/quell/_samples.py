@@ -54,7 +54,8 @@ def seconds(time: ArrayLike, unit: TimeUnit = "s", what: str = "time") -> NDArra
         raise RecordingError(f'time_unit "{unit}": it is one of {", ".join(PER_SECOND)}')
     if np.issubdtype(stamps.dtype, np.integer) and len(stamps) and abs(int(stamps[-1])) > 2**53:
         stamps = stamps - stamps[0]
-    return numbers(what, stamps) / PER_SECOND[unit]
+    told = numbers(what, stamps)
+    return told if unit == "s" else told / PER_SECOND[unit]
 
 
 def plain(values: Any) -> Any:
@@ -107,6 +108,8 @@ def without_missing(
     if len(array) != len(stamps):
         return array, stamps
     there = ~np.isnan(array.reshape(len(array), -1)).any(axis=1) & ~np.isnan(stamps)
+    if there.all():
+        return array, stamps
     return array[there], stamps[there]
 
 

@@ -12,6 +12,7 @@ mod refused;
 mod registrations;
 mod remarks;
 mod several;
+mod sole;
 mod words;
 
 pub use alone::{can, needs_model};

@@ -15,7 +15,8 @@ use crate::recording::{
 use crate::signal::{Contradiction, Hangs};
 use document::document;
 use joints::Joints;
-use serde_json::{Value, json};
+pub use propose::told as propose;
+use serde_json::Value;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
@@ -59,7 +60,8 @@ pub fn run(args: Args) -> Result<(), CliError> {
         );
     }
     if is_csv(&path) || (path.is_dir() && !path.join(MANIFEST).exists()) {
-        return proposed(&path, &args);
+        let as_it_is = |text: &str| Ok(text.into());
+        return propose(&path, ("inspect", args.force), args.json, as_it_is);
     }
     let read = Joints::read(&args.recording)?;
     match args.json {
@@ -91,43 +93,6 @@ fn follows(recording: &Recording, path: &Path) -> Vec<OsString> {
         (false, _) => vec![diagnose, option, model, path],
     };
     words.into_iter().map(OsStr::to_owned).collect()
-}
-
-/// The manifests proposed for CSV files, with the content of the first.
-fn proposed(path: &Path, args: &Args) -> Result<(), CliError> {
-    let written = propose::write(path, args.force)?;
-    let Some((manifest, _)) = written.manifests.first() else {
-        return Ok(());
-    };
-    let read = Joints::read(manifest);
-    let words = match &read {
-        Ok(joints) => joints.follows(),
-        Err(_) => vec!["inspect".into(), manifest.as_os_str().to_owned()],
-    };
-    let next = match written.open.is_empty() {
-        true => next::command(words),
-        false => format!(
-            "Next: correct {}\n{}",
-            manifest.display(),
-            next::then(words)
-        ),
-    };
-    let (text, mut all) = match &read {
-        Ok(joints) => (joints.text(), joints.document()),
-        Err(error) if written.is_empty() => (
-            "It cannot be read yet: it has no [[channel]]\n".into(),
-            json!({"refused": error.to_string()}),
-        ),
-        Err(error) => (
-            format!("It cannot be read yet: {error}\n"),
-            json!({"refused": error.to_string()}),
-        ),
-    };
-    all["proposal"] = written.document();
-    match args.json {
-        true => output::json(&all),
-        false => output::text(&format!("{}\n{text}\n{next}", written.text())),
-    }
 }
 
 /// The topics of an MCAP file, and the recording of the named joint, or of the only one.

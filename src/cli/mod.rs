@@ -14,6 +14,7 @@ pub mod doctor;
 pub mod effort;
 pub mod error;
 pub mod identify;
+pub mod init;
 pub mod inspect;
 pub mod log;
 pub mod man;
@@ -97,6 +98,7 @@ enum Verb {
     Diagnose(diagnose::Args),
     Doctor(doctor::Args),
     Identify(identify::Args),
+    Init(init::Args),
     Inspect(inspect::Args),
     Man(man::Args),
     Move(moves::Args),
@@ -120,6 +122,7 @@ impl Verb {
             Self::Diagnose(args) => diagnose::run(args),
             Self::Doctor(args) => doctor::run(args),
             Self::Identify(args) => identify::run(args),
+            Self::Init(args) => init::run(args),
             Self::Inspect(args) => inspect::run(args),
             Self::Man(args) => man::run(args),
             Self::Move(args) => moves::run(args),

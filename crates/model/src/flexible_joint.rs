@@ -103,4 +103,5 @@ pub const FLEXIBLE_JOINT: Kind = Kind {
     },
     mode: Some((0, 1)),
     normalised: true,
+    differentiates: false,
 };

@@ -9,8 +9,8 @@ use quell_recording::Role;
 /// `F = m u'' + b u'`: the force or torque `F` that moves a mass as `u` was recorded.
 ///
 /// A known force `F_k` and a known inertia `J` make it `F = (m + J) u'' + b u' - F_k`: `m` is then what moves with the motor
-/// alone. Nothing is integrated, so that noise of the torque stays noise. The position must be smooth: its second
-/// derivative is taken.
+/// alone. Nothing is integrated, so that noise of the torque stays noise. The second derivative of the position is that of a
+/// smoother whose bandwidth is the likeliest.
 ///
 /// Source: Khalil and Dombre, Modeling, Identification and Control of Robots (2002), chapter 12.
 pub const INVERSE_DYNAMICS: Kind = Kind {
@@ -59,4 +59,5 @@ pub const INVERSE_DYNAMICS: Kind = Kind {
     newton: |_| Some(1.0),
     mode: None,
     normalised: false,
+    differentiates: true,
 };

@@ -51,6 +51,8 @@ pub struct Kind {
     pub mode: Option<(usize, usize)>,
     /// Whether forces are divided by the stiffness, so that they are in the unit of positions.
     pub normalised: bool,
+    /// Whether the second derivative of a recorded position is taken, which noise needs a smoother for.
+    pub differentiates: bool,
 }
 
 impl Kind {

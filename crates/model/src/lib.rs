@@ -8,6 +8,7 @@ mod circle;
 mod coupling;
 pub mod curves;
 mod departure;
+mod differentiated;
 pub mod effects;
 mod experiment;
 mod file;

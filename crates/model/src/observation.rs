@@ -1,6 +1,7 @@
 //! From a recording to an experiment: which channel drives the model, and which ones it predicts.
 
 use super::chain::MotorSide;
+use super::differentiated;
 use super::experiment::{Experiment, Output};
 use super::gain;
 use super::known::{Equation, Known};
@@ -48,6 +49,9 @@ impl Experiment {
             .iter_mut()
             .for_each(Channel::unwrap_turns);
         let input = Self::input(model, &recording)?;
+        if model.kind.differentiates {
+            differentiated::smooth(&mut recording.channels[input]);
+        }
         let mut gain = gain::unify(&mut recording);
         if gain.is_none() && is_prescribed(model, recording.channels[input].role) {
             gain = gain::of_deformation(&mut recording);
@@ -246,13 +250,21 @@ fn hastened(model: &Model, input: Role, known: &Known) -> f64 {
 }
 
 /// The unit of positions: that of the first channel that is a position and is input or predicted, or that of a
-/// velocity.
+/// velocity. Where none is a position, that of what is predicted.
 fn position_unit(model: &Model, recording: &Recording, input: Role) -> String {
-    let position = recording.channels.iter().find(|channel| {
+    let is_one = |channel: &&Channel| {
         let role = channel.role;
         let predicted = role != input && model.kind.outputs.contains(&role);
         predicted && role != Role::MotorVelocity || role.is_position()
-    });
+    };
+    let is_place = |channel: &&Channel| {
+        let role = channel.role;
+        is_one(channel) && role.is_motion() && !role.is_acceleration()
+    };
+    let channels = || recording.channels.iter();
+    let position = channels()
+        .find(is_place)
+        .or_else(|| channels().find(is_one));
     let velocity = recording.channel(Role::MotorVelocity);
     match (position, velocity) {
         (Some(channel), _) => channel.unit.clone(),

@@ -77,6 +77,7 @@ pub const OSCILLATOR: Kind = Kind {
     },
     mode: Some((0, 1)),
     normalised: true,
+    differentiates: false,
 };
 
 /// `F = k x + c x'`: the force that holds a spring and a damper in the motion `x`.
@@ -129,6 +130,7 @@ pub const SPRING_AND_DAMPER: Kind = Kind {
     newton: |_| Some(1.0),
     mode: None,
     normalised: false,
+    differentiates: false,
 };
 
 const FORCES: &[Role] = &[

@@ -148,4 +148,5 @@ pub const RIGID_AXIS: Kind = Kind {
     newton: |_| Some(1.0),
     mode: None,
     normalised: false,
+    differentiates: false,
 };

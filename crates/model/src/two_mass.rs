@@ -137,4 +137,5 @@ pub const TWO_MASS: Kind = Kind {
     newton: |_| Some(1.0),
     mode: None,
     normalised: false,
+    differentiates: false,
 };

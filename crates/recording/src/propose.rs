@@ -65,6 +65,9 @@ pub struct Proposal {
     pub open: Vec<String>,
     /// Joints, by the numbers in the names of their columns; none where the names tell one joint.
     pub joints: Vec<String>,
+    /// What is taken as certain though nothing in the file says it, and changes the samples: a counter of time that begins again.
+    /// One sentence each, without a full stop.
+    pub taken: Vec<String>,
 }
 
 /// A value that may be a guess.
@@ -145,7 +148,12 @@ pub(super) fn certain(path: &Path) -> Result<String, RecordingError> {
         ));
     }
     match proposal.open.is_empty() {
-        true => Ok(proposal.manifests.swap_remove(0).text),
+        true => {
+            for taken in &proposal.taken {
+                tracing::warn!("{}: {taken}", path.display());
+            }
+            Ok(proposal.manifests.swap_remove(0).text)
+        }
         false => {
             let open = proposal.open.join("; ");
             Err(Problem::Uncertain { open }.in_file(path))

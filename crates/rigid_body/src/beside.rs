@@ -1,6 +1,6 @@
 //! The channels `known_force` and `inertia` of each joint of a robot.
 
-use super::contradiction::{is_moving, torque};
+use super::contradiction::torque;
 use super::coupling::Coupling;
 use super::robot::{Joint, Robot};
 use quell_recording::{Channel, Recording, Role};
@@ -74,7 +74,7 @@ fn of(robot: &Robot, joint: &Joint, couplings: &[Coupling]) -> Beside {
 fn inverse(robot: &Robot, joint: &Joint, known: &Recording) -> Option<Recording> {
     let (torque, course) = (torque(robot, joint)?, robot.course(joint.index));
     let samples = torque.time.iter().zip(&torque.columns[0]);
-    let moving = samples.filter(|(time, _)| is_moving(course, **time));
+    let moving = samples.filter(|(time, _)| course.moves(**time));
     let (time, values): (Vec<f64>, Vec<f64>) = moving.unzip();
     let position = Channel {
         role: Role::MotorPosition,

@@ -1,6 +1,5 @@
 //! What the torques of a joint leave of a description, and what the joint's own friction explains of it.
 
-use super::course::Course;
 use super::dynamics::Dynamics;
 use super::robot::{Joint, Robot};
 use nalgebra::{DMatrix, DVector};
@@ -10,8 +9,6 @@ use quell_recording::{Channel, Role};
 pub const BLOCKS: usize = 20;
 /// Rows of a joint at most: more of a smooth motion say the same again.
 const ROWS: usize = 20_000;
-/// Share of the greatest speed below which the direction of friction is not known.
-const REST: f64 = 0.01;
 /// Knots of a joint's own curves over speed, in either direction, and over position.
 const SPEEDS: usize = 6;
 const POSITIONS: usize = 12;
@@ -49,11 +46,6 @@ pub fn torque<'a>(robot: &Robot, joint: &'a Joint) -> Option<&'a Channel> {
     channels.find(|own| matches!(own.role, Role::Torque | Role::Force) && own.unit == unit)
 }
 
-/// Whether a joint moves at an instant, so that its friction has a direction.
-pub fn is_moving(course: &Course, time: f64) -> bool {
-    course.at(time)[1].abs() > REST * course.fastest
-}
-
 impl Rows {
     /// The rows of a joint; none where it has no torque or hardly moves.
     pub fn of(robot: &Robot, joint: &Joint, own: Own) -> Option<Self> {
@@ -61,7 +53,7 @@ impl Rows {
         let stride = channel.time.len().div_ceil(ROWS);
         let course = robot.course(joint.index);
         let stamps = channel.time.iter().zip(&channel.columns[0]).step_by(stride);
-        let moving = stamps.filter(|(time, _)| is_moving(course, **time));
+        let moving = stamps.filter(|(time, _)| course.moves(**time));
         let (time, torque): (Vec<f64>, Vec<f64>) = moving.unzip();
         let states: Vec<_> = time.iter().map(|t| robot.state(*t)).collect();
         let curves = curves(&states, joint.index, own);

@@ -3,17 +3,15 @@
 mod beside;
 mod contradiction;
 mod coupling;
-mod course;
 mod dynamics;
 mod payload;
 mod robot;
 mod rotor;
-mod smoother;
 
 pub use beside::{Beside, beside};
 pub use coupling::{Cause, Coupling, couplings};
-pub use course::Course;
 pub use dynamics::Dynamics;
 pub use payload::{Payload, payload};
+pub use quell_signal::Course;
 pub use robot::{Joint, Robot, RobotError};
 pub use rotor::{Unseen, rotor};

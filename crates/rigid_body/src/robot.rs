@@ -1,9 +1,8 @@
 //! A robot's description, and a recording of all its joints.
 
-use super::course::Course;
 use super::dynamics::Dynamics;
 use quell_recording::{Channel, Recording, Role, one_of};
-use quell_signal::{JointKind, SignalError};
+use quell_signal::{Course, JointKind, SignalError};
 
 /// Why a recording does not suit a description.
 #[derive(Debug, thiserror::Error)]

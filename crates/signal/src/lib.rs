@@ -4,6 +4,7 @@ pub mod alignment;
 pub mod arc_registration;
 pub mod clock_offset;
 pub mod contradiction;
+mod course;
 pub mod deformation;
 pub mod description;
 pub mod direction;
@@ -24,6 +25,7 @@ pub mod registration;
 pub mod rest;
 pub mod rounding;
 pub mod singular_values;
+mod smoother;
 pub mod spectrum;
 pub mod spline;
 pub mod static_ratio;
@@ -36,6 +38,7 @@ pub use alignment::{Aligned, Aligner, Clock};
 pub use arc_registration::{ArcRegistration, register_arc};
 pub use clock_offset::{ClockFit, fit_clock_offset};
 pub use contradiction::Contradiction;
+pub use course::Course;
 pub use deformation::{
     DeformationSample, DeformationSensor, RecordedDeformation, deformation, recorded_deformation,
     tip_deformation,

@@ -2,6 +2,7 @@
 
 use super::axis::{self, Printer};
 use super::refused::of_recording;
+use super::sole;
 use crate::cli::CliError;
 use crate::identification::output_only::{
     FoundMode, OutputOnly, Vibration, output_only_within, vibration,
@@ -77,7 +78,7 @@ pub fn is_alone(recording: &Recording) -> bool {
     let torque = !moves && varies(recording, Role::Torque);
     // Of a link that does not vary it says that, and does not ask for a motor side.
     let only = motor_side(recording).is_none() && LINK.into_iter().chain(VIBRATING).any(has);
-    (has_link(recording) || torque || only) && !driven
+    (has_link(recording) || torque || only || sole::role(recording).is_some()) && !driven
 }
 
 /// The input of an axis of which nothing beyond the motor side is measured, which this verb can tell nothing of.
@@ -130,12 +131,14 @@ impl Alone {
     pub fn of(path: &Path, recording: &Recording, stop: Stop) -> Result<Self, CliError> {
         let named = |error| of_recording(&recording.name, error);
         let vibration = vibration(recording).map_err(named)?;
-        let rests: Vec<[f64; 2]> = rests(recording)
-            .map_err(|error| named(error.into()))?
-            .iter()
-            .map(|p| [p.start, p.end])
-            .collect();
+        let rests = match sole::role(recording) {
+            // The decay is of the motor side itself.
+            Some(_) => Vec::new(),
+            None => rests(recording).map_err(|error| named(error.into()))?,
+        };
+        let rests: Vec<[f64; 2]> = rests.iter().map(|p| [p.start, p.end]).collect();
         let found = output_only_within(&vibration, &rests, stop).map_err(named)?;
+        sole::refuse_driven(recording, &found)?;
         let advice = advice(&found.modes)?;
         let printer = axis::of(path, &vibration);
         let channel = recording.channel(vibration.role);

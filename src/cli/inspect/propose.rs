@@ -1,7 +1,8 @@
 //! `quell inspect FILE.csv`: proposed manifests for CSV files.
 
-use crate::cli::CliError;
+use super::joints::Joints;
 use crate::cli::out::{Force, Out};
+use crate::cli::{CliError, next, output};
 use crate::recording::{MANIFEST, Proposal, Proposed, propose};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -14,13 +15,20 @@ pub struct Written {
     pub open: Vec<String>,
 }
 
-/// Proposes manifests for a CSV file or the CSV files of a folder, and writes them beside these.
+/// Proposes manifests for a CSV file or the CSV files of a folder, and writes them beside these for a verb, as it edits them.
 ///
 /// # Errors
-/// [`CliError::Input`] where a file cannot be interpreted, or a manifest would replace a user's.
-pub fn write(path: &Path, force: Force) -> Result<Written, CliError> {
+/// [`CliError::Input`] where a file cannot be interpreted, or a manifest would replace a user's; those of the edit.
+pub fn write(
+    path: &Path,
+    by: (&'static str, Force),
+    mut edit: impl FnMut(&str) -> Result<String, CliError>,
+) -> Result<Written, CliError> {
+    let force = by.1;
     let Proposal {
-        manifests, open, ..
+        manifests,
+        mut open,
+        ..
     } = propose(path)?;
     let folder = match path.is_dir() {
         true => path,
@@ -28,7 +36,7 @@ pub fn write(path: &Path, force: Force) -> Result<Written, CliError> {
     };
     let open_out = |manifests: &[Proposed]| {
         let names = manifests.iter().map(|one| one.name.as_str());
-        Out::open(folder, ("inspect", force), &[path], names)
+        Out::open(folder, by, &[path], names)
     };
     let mut manifests: Vec<Proposed> = manifests;
     if is_taken(folder, path) {
@@ -42,6 +50,14 @@ pub fn write(path: &Path, force: Force) -> Result<Written, CliError> {
         }
         Err(error) => return Err(error),
     };
+    for one in &mut manifests {
+        let edited = edit(&one.text)?;
+        // Somebody has seen what is not certain, and has said what it is.
+        if edited != one.text {
+            open.clear();
+        }
+        one.text = edited;
+    }
     let stage = out.stage()?;
     for one in &manifests {
         stage.file(&one.name, &one.text)?;
@@ -52,6 +68,51 @@ pub fn write(path: &Path, force: Force) -> Result<Written, CliError> {
         manifests: manifests.into_iter().map(placed).collect(),
         open,
     })
+}
+
+/// Writes the manifests proposed for CSV files for a verb, as it edits them, and tells the content of the first.
+///
+/// # Errors
+/// [`CliError::Input`] where the files are refused, a manifest would replace a user's; those of the edit.
+pub fn told(
+    path: &Path,
+    by: (&'static str, Force),
+    as_json: bool,
+    edit: impl FnMut(&str) -> Result<String, CliError>,
+) -> Result<(), CliError> {
+    let written = write(path, by, edit)?;
+    let Some((manifest, _)) = written.manifests.first() else {
+        return Ok(());
+    };
+    let read = Joints::read(manifest);
+    let words = match &read {
+        Ok(joints) => joints.follows(),
+        Err(_) => vec!["inspect".into(), manifest.as_os_str().to_owned()],
+    };
+    let next = match written.open.is_empty() {
+        true => next::command(words),
+        false => format!(
+            "Next: correct {}\n{}",
+            manifest.display(),
+            next::then(words)
+        ),
+    };
+    let (text, mut all) = match &read {
+        Ok(joints) => (joints.text(), joints.document()),
+        Err(error) if written.is_empty() => (
+            "It cannot be read yet: it has no [[channel]]\n".into(),
+            json!({"refused": error.to_string()}),
+        ),
+        Err(error) => (
+            format!("It cannot be read yet: {error}\n"),
+            json!({"refused": error.to_string()}),
+        ),
+    };
+    all["proposal"] = written.document();
+    match as_json {
+        true => output::json(&all),
+        false => output::text(&format!("{}\n{text}\n{next}", written.text())),
+    }
 }
 
 /// Whether the folder's `recording.toml` describes another file.

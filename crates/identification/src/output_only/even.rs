@@ -113,13 +113,18 @@ impl Vibration {
 pub fn vibration(recording: &Recording) -> Result<Vibration, IdentificationError> {
     let found = ROLES.iter().filter_map(|role| recording.channel(*role));
     let channel = found.clone().find(|channel| channel.varies());
-    let channel =
-        channel
-            .or_else(|| found.clone().next())
-            .ok_or_else(|| SignalError::MissingChannel {
-                recording: recording.name.clone(),
-                channel: "tip_acceleration, or another channel that vibrates",
-            })?;
+    // What has no other channel beside it vibrates itself, whatever it is.
+    let sole = match recording.channels.as_slice() {
+        [one] => Some(one),
+        _ => None,
+    };
+    let channel = channel
+        .or_else(|| found.clone().next())
+        .or(sole)
+        .ok_or_else(|| SignalError::MissingChannel {
+            recording: recording.name.clone(),
+            channel: "tip_acceleration, or another channel that vibrates",
+        })?;
     if let Some(value) = channel.impossible() {
         return Err(IdentificationError::NoMeasurement {
             channel: channel.role,

@@ -11,7 +11,7 @@ pub struct Clock {
     pub start: f64,
     /// Last stamp minus the first.
     pub duration: f64,
-    /// Median interval; of even stamps that are rounded the middle of the periods that they can be of. 0 for a single sample.
+    /// Median interval; of stamps that are rounded one over [`Rounded::rate`]. 0 for a single sample.
     pub period: f64,
     /// Root mean square of interval minus period, gaps left out.
     pub jitter: f64,
@@ -21,7 +21,7 @@ pub struct Clock {
     pub gaps: Vec<Gap>,
     /// Samples that the gaps would hold.
     pub missing: usize,
-    /// What even stamps that are rounded tell of their rate.
+    /// What stamps that are rounded tell of their rate.
     pub rounded: Option<Rounded>,
 }
 
@@ -95,7 +95,7 @@ impl Clock {
         (self.duration > 0.0).then(|| (self.samples - 1) as f64 / self.duration)
     }
 
-    /// Samples per second where there is no gap: by [`Rounded`] of even stamps that are rounded, else by the first and the last stamp,
+    /// Samples per second where there is no gap: by [`Rounded`] of stamps that are rounded, else by the first and the last stamp,
     /// as the period of a fast sensor, which is one interval, is uncertain by a rounding step. `None` for a single sample.
     ///
     /// # Example
@@ -116,8 +116,8 @@ impl Clock {
     /// Standard deviation of [`Self::rate`]: the jitter is that of an interval, so of the difference of any two
     /// independent stamps. Of even stamps that are rounded by [`Rounded::rate_std`].
     pub fn rate_std(&self) -> Option<f64> {
-        if let Some(rounded) = self.rounded {
-            return Some(rounded.rate_std());
+        if let Some(std) = self.rounded.and_then(|own| own.rate_std()) {
+            return Some(std);
         }
         Some(self.rate()? * self.jitter / self.duration)
     }

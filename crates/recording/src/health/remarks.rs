@@ -46,12 +46,18 @@ pub fn remarks(channel: &Channel, health: &Health) -> Vec<String> {
 /// than [`JITTER`] allows.
 pub fn mixed_rates(clock: &Clock) -> Option<String> {
     if let Some(rounded) = clock.rounded {
-        let [least, greatest] = rounded.rates.map(|rate| format!("{rate:.2}"));
+        let step = plain(rounded.step);
+        let Some(rates) = rounded.rates else {
+            let mean = rounded.mean;
+            return Some(format!(
+                "its stamps are rounded to {step} s, and drift by more than that from an even clock: {mean:.2} samples a second on the whole"
+            ));
+        };
+        let [least, greatest] = rates.map(|rate| format!("{rate:.2}"));
         let told = match least == greatest {
             true => format!("{least} samples a second"),
             false => format!("{least} to {greatest} samples a second"),
         };
-        let step = plain(rounded.step);
         return is_jittery(clock)
             .then(|| format!("its stamps are rounded to {step} s: together they tell {told}"));
     }

@@ -6,6 +6,7 @@ use super::super::stamp_wraps;
 use super::name::{self, Name};
 use super::units;
 use crate::Wrap;
+use std::cell::OnceCell;
 use std::ops::Range;
 
 /// Usual cells for missing values.
@@ -43,6 +44,8 @@ pub struct Column {
     pub distinct: Vec<String>,
     /// The rows from which on these stand, counted from 0.
     pub begins: Vec<usize>,
+    /// Its variance, once somebody has asked for it.
+    variance: OnceCell<f64>,
 }
 
 /// A cell that is neither a number nor missing.
@@ -82,6 +85,7 @@ impl Column {
             wrap: None,
             distinct: Vec::new(),
             begins: Vec::new(),
+            variance: OnceCell::new(),
         }
     }
 
@@ -127,6 +131,16 @@ impl Column {
         if let Some(wrap) = self.wrap {
             stamp_wraps::go_on(&mut self.numbers, wrap.period);
         }
+    }
+
+    /// The variance of its numbers, with the square of their unit; 0 without any. They are read once, so it is for a whole column.
+    pub fn variance(&self) -> f64 {
+        *self.variance.get_or_init(|| {
+            let there = || self.numbers.iter().filter(|own| !own.is_nan());
+            let count = there().count().max(1) as f64;
+            let mean = there().sum::<f64>() / count;
+            there().map(|own| (own - mean).powi(2)).sum::<f64>() / count
+        })
     }
 
     /// The number of a cell with a unit of time behind it, which is then that of the column.

@@ -59,18 +59,11 @@ fn is_alone(content: &Content) -> bool {
     })
 }
 
-/// The column with the most power without its mean, which is the offset of a gyroscope; the first of equals.
+/// The column with the most variance: the mean is the offset of a gyroscope. The first of equals.
 fn strongest(content: &Content, axes: &[usize]) -> Option<usize> {
-    let power = |index: &usize| {
-        let values = content.columns[*index].numbers.iter();
-        let there: Vec<f64> = values.copied().filter(|own| !own.is_nan()).collect();
-        let count = there.len().max(1) as f64;
-        let mean = there.iter().sum::<f64>() / count;
-        there.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / count
-    };
-    let powers: Vec<(usize, f64)> = axes.iter().map(|index| (*index, power(index))).collect();
-    let most = powers.into_iter().rev().max_by(|a, b| a.1.total_cmp(&b.1));
-    most.map(|own| own.0)
+    let variance = |index: &usize| content.columns[*index].variance();
+    let all = axes.iter().copied().rev();
+    all.max_by(|a, b| variance(a).total_cmp(&variance(b)))
 }
 
 #[cfg(test)]

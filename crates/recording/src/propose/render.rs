@@ -68,6 +68,7 @@ pub fn proposal(path: &Path, contents: &[Content]) -> Proposal {
         manifests,
         open,
         joints,
+        taken: files.iter().filter_map(wraps::taken).collect(),
     }
 }
 

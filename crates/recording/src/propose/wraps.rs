@@ -1,8 +1,10 @@
 //! Positions that are readings of a counter which begins again.
 
 use super::super::unit::Dimension;
+use super::clock::Clock;
 use super::columns::{Channel, Channels};
 use super::content::Content;
+use super::read::Read;
 use super::units;
 use crate::{Role, Wrap};
 
@@ -28,6 +30,21 @@ pub fn of_time(wrap: &Wrap) -> String {
         "the time falls by that {}, as a counter that begins again, and goes on by one sample without it",
         times(wrap)
     )
+}
+
+/// A sentence on stamps of a file that are read so.
+pub fn taken(file: &Read) -> Option<String> {
+    let Clock::Stamps { column, .. } = &file.clock else {
+        return None;
+    };
+    let column = &file.content.columns[*column];
+    let wrap = column.wrap.as_ref()?;
+    Some(format!(
+        "{:?} is read with time_wrap = {}: {}",
+        column.title,
+        wrap.period,
+        of_time(wrap)
+    ))
 }
 
 fn times(wrap: &Wrap) -> String {

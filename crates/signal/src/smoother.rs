@@ -65,7 +65,7 @@ impl Jerk {
 impl<'a> Smoother<'a> {
     /// * `steps`: distances of the values in time, one fewer than these.
     pub fn new(values: &'a [f64], steps: &'a [f64]) -> Self {
-        let noise = quell_signal::noise_floor(values).standard_deviation;
+        let noise = super::noise_floor(values).standard_deviation;
         let size = values
             .iter()
             .fold(0.0f64, |most, v| most.max((v - values[0]).abs()));

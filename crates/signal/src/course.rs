@@ -1,8 +1,11 @@
 //! Position, velocity and acceleration of a joint from its recorded positions.
 
 use super::smoother::Smoother;
+use super::{CubicSpline, End, SignalError};
 use quell_recording::Channel;
-use quell_signal::{CubicSpline, End, SignalError};
+
+/// Share of the greatest speed below which the direction of friction is not known.
+const REST: f64 = 0.01;
 
 /// A motion at the stamps of a recorded position: the smoothed state of `q''' = white noise`.
 ///
@@ -53,6 +56,11 @@ impl Course {
             state: vec![[position, 0.0, 0.0]],
             fastest: 0.0,
         }
+    }
+
+    /// Whether it moves at an instant, so that friction has a direction: above 1 % of the greatest speed.
+    pub fn moves(&self, time: f64) -> bool {
+        self.at(time)[1].abs() > REST * self.fastest
     }
 
     /// Position, velocity and acceleration at an instant; at rest before the first stamp and after the last.
