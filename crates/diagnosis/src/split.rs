@@ -51,14 +51,15 @@ pub const EVERY: usize = 3;
 const FEWEST: usize = 6;
 
 /// Holds out every third stretch of this length, s, from the one of this index on. All parts of a recording are then in
-/// both, also an event that happens once.
+/// both, also an event that happens once. A stretch without a sample of an output, as of a torque that is used in motion alone,
+/// is none.
 pub fn interleaved(experiment: &Experiment, stretch: f64, from: usize) -> Split {
     let rows = |is_kept: bool| {
         let of = |output: &Output| {
             let all = parts(experiment, &output.time, stretch).into_iter();
             let kept = all
                 .enumerate()
-                .filter(|(k, _)| (k % EVERY == from) == is_kept);
+                .filter(|(k, rows)| (k % EVERY == from) == is_kept && !rows.is_empty());
             kept.map(|(_, rows)| rows).collect()
         };
         experiment.outputs.iter().map(of).collect()

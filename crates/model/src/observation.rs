@@ -50,7 +50,7 @@ impl Experiment {
             .for_each(Channel::unwrap_turns);
         let input = Self::input(model, &recording)?;
         if model.kind.differentiates {
-            differentiated::smooth(&mut recording.channels[input]);
+            differentiated::smooth(&mut recording, input, model.kind.outputs);
         }
         let mut gain = gain::unify(&mut recording);
         if gain.is_none() && is_prescribed(model, recording.channels[input].role) {
