@@ -90,15 +90,15 @@ fn measured_again(problem: &mut Problem, judge: &mut Judge, point: &Point) -> bo
 }
 
 impl Search<'_> {
-    /// The most probable explanations of a pool, each fitted again as long as it may still come near the best one, and thinned out
-    /// again: parameters may have reached the end of their range.
+    /// The most probable explanations of a pool, fitted again and thinned out again: parameters may have reached the end of their
+    /// range.
     pub fn fitted_again(&self, pool: &Pool) -> Pool {
         let best = &pool.best(self.judge).fitted.point;
         let rival = self.problem.fit(best, self.projector, LONG).cost;
         let mut again = pool.map(self.judge, KEPT, |own| {
             let (problem, projector) = (self.problem, self.projector);
             let mut descent = Descent::new(problem, projector, &own.fitted.point, None);
-            descent.run_against(LONG, rival);
+            descent.run(LONG);
             if descent.winds() {
                 descent.hop(rival);
             }

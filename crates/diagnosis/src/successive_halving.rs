@@ -138,7 +138,7 @@ impl<'a> Halving<'a> {
         };
         entrants.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         let behind = entrants.split_off(HALF.min(entrants.len()));
-        let mut chosen = chosen_of(entrants, self.ahead());
+        let mut chosen = chosen_of(entrants, winner);
         // A candidate behind must beat the last of these.
         let last = chosen.iter().map(Descent::cost);
         let last = last.fold(f64::NEG_INFINITY, f64::max);
