@@ -93,8 +93,7 @@ impl Search<'_> {
     /// The most probable explanations of a pool, fitted again and thinned out again: parameters may have reached the end of their
     /// range.
     pub fn fitted_again(&self, pool: &Pool) -> Pool {
-        let best = &pool.best(self.judge).fitted.point;
-        let rival = self.problem.fit(best, self.projector, LONG).cost;
+        let rival = self.cost_of_best(pool);
         let mut again = pool.map(self.judge, KEPT, |own| {
             let (problem, projector) = (self.problem, self.projector);
             let mut descent = Descent::new(problem, projector, &own.fitted.point, None);
@@ -108,11 +107,21 @@ impl Search<'_> {
         again
     }
 
-    /// The most probable explanations of a pool, each fitted from where its fit was left.
+    /// The most probable explanations of a pool, each fitted from where its fit was left as long as it may reach the best one.
     fn converged(&self, pool: &Pool) -> Pool {
+        let rival = self.cost_of_best(pool);
         pool.map(self.judge, KEPT_AT_A_CUT, |own| {
-            self.refitted(&own.fitted.point)
+            let mut descent = Descent::new(self.problem, self.projector, &own.fitted.point, None);
+            descent.run_against(LONG, rival);
+            self.judge
+                .judge(self.problem, self.projector, descent.end())
         })
+    }
+
+    /// Cost of the best explanation of a pool with the present noise and steps.
+    fn cost_of_best(&self, pool: &Pool) -> f64 {
+        let best = &pool.best(self.judge).fitted.point;
+        self.problem.fit(best, self.projector, LONG).cost
     }
 }
 
