@@ -17,6 +17,7 @@ mod words;
 
 pub use alone::{can, needs_model};
 pub use identified::Identified;
+pub use sole::role as sole_drive;
 
 use super::out::{Force, Out};
 use super::{CliError, choices, output};

@@ -110,7 +110,8 @@ fn mcap((path, file): (&Path, &McapFile), joint: Option<&str>, json: bool) -> Re
     if let Some(name) = joint.or(joints.first().map(String::as_str)) {
         let recording = file.recording(Some(name))?;
         words = follows(&recording, Path::new(&one));
-        lacks = !identify::can(&recording) && !topics::unread(file).is_empty();
+        let tells = identify::can(&recording) && identify::sole_drive(&recording).is_none();
+        lacks = !tells && !topics::unread(file).is_empty();
         if lacks {
             let described = format!("{MANIFEST}#{name}");
             words = vec!["identify".into(), described.into()];
