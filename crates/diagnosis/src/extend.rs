@@ -80,7 +80,7 @@ impl Search<'_> {
         for &key in &problem.free {
             believed.keys[key] = problem.beliefs[key].0;
         }
-        let starts = screen(problem, point, linear, self.projector, (table, SIZES, fall));
+        let starts = screen(problem, point, linear, self.projector, (table, SIZES));
         let candidate = |starts: Vec<Start>| {
             let with = |from: &Point, s: &Start| from.with(s.term.clone());
             let near = starts.iter().map(|start| with(point, start));

@@ -103,21 +103,17 @@ pub struct Screen<'a> {
     residual: DVector<f64>,
     /// Maps rows to the least-squares step of the model's own unknowns.
     steps: DMatrix<f64>,
-    /// Fall of the cost below which nothing is promising.
-    least: f64,
 }
 
-/// Scores every candidate at every size of its grid, the best first, with at most `each` sizes for a candidate. No candidate of
-/// use promises a smaller fall of the cost than `least`.
+/// Scores every candidate at every size of its grid, the best first, with at most `each` sizes for a candidate.
 pub fn screen(
     problem: &Problem,
     point: &Point,
     linear: &Linearised,
     projector: &Projector,
-    (table, each, least): (Table, usize, f64),
+    (table, each): (Table, usize),
 ) -> Vec<Start> {
-    let screen = Screen::new(problem, point, linear, projector);
-    Screen { least, ..screen }.scored(table, each)
+    Screen::new(problem, point, linear, projector).scored(table, each)
 }
 
 impl Start {
@@ -148,7 +144,6 @@ impl<'a> Screen<'a> {
             steps: steps(&directions),
             basis: orthonormal(directions),
             residual: stacked(&linear.residuals),
-            least: 0.0,
         }
     }
 
@@ -241,10 +236,8 @@ impl<'a> Screen<'a> {
         let mut starts: Vec<Start> = grid.into_iter().map(start).collect();
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
         starts.truncate(each);
-        // At a bound of the size the factor is arbitrary. A resized start is used only if its score is better. It promises no
-        // more than the whole gain of a linear effect.
-        let is_hopeful = |own: &&mut Start| own.factor != 1.0 && own.score > BELIEVED * self.least;
-        for own in starts.iter_mut().filter(is_hopeful) {
+        // At a bound of the size the factor is arbitrary. A resized start is used only if its score is better.
+        for own in starts.iter_mut().filter(|own| own.factor != 1.0) {
             let resized = start(own.resized(self.problem, own.factor));
             if resized.score > own.score {
                 *own = resized;
