@@ -23,10 +23,6 @@ pub(super) fn first_root(f: impl Fn(f64) -> f64, mut high: f64) -> Option<f64> {
             break;
         }
         let share = (low * at_high - high * at_low) / (at_high - at_low);
-        // Within the bracket, so that the far end of it follows as soon as the near one is at the root.
-        let share = share
-            .max(low + 0.4 * RESOLUTION)
-            .min(high - 0.4 * RESOLUTION);
         let value = f(share);
         if value > 0.0 {
             (low, at_low) = (share, value);
