@@ -4,9 +4,9 @@ use super::errors;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use quell::recording::{Channel, Role};
-use quell::rigid_body::Course;
+use quell::signal::Course;
 
-/// Position, velocity and acceleration at the stamps of a position, by the smoother of `rigid_body`.
+/// Position, velocity and acceleration at the stamps of a position, by the smoother of `signal`.
 #[pyfunction]
 pub fn course<'py>(
     py: Python<'py>,

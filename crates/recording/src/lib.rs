@@ -69,7 +69,7 @@ pub use foreign::{FOREIGN, Foreign};
 pub use layout::Layout;
 pub use mcap::{Cut, Damage, Decoder, Encoder, Found, McapFile, McapWriter, Mended, Topic};
 pub use preferred::Preferred;
-pub use propose::{Proposal, Proposed, is_csv, propose};
+pub use propose::{GUESSED, NO_RATE, Proposal, Proposed, is_csv, propose};
 pub use resolution::{to_nanosecond, to_resolution, to_scale};
 pub use role::{ROLES, Role, RoleEntry};
 pub use sink::Sink;

@@ -44,6 +44,11 @@ use super::{MANIFEST, foreign};
 use content::Content;
 use std::path::{Path, PathBuf};
 
+/// What stands in a proposed manifest between a guessed value and the reason.
+pub const GUESSED: &str = "  # guessed: ";
+/// The line of a proposed manifest for a rate that nothing in the file says, without its comment.
+pub const NO_RATE: &str = "# rate_hz = ";
+
 /// Endings of files that are read as text with columns.
 const ENDINGS: &[&str] = &["csv", "tsv", "txt", "dat", "asc", "log", "lvm", "prn", "gz"];
 

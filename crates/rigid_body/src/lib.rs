@@ -12,6 +12,5 @@ pub use beside::{Beside, beside};
 pub use coupling::{Cause, Coupling, couplings};
 pub use dynamics::Dynamics;
 pub use payload::{Payload, payload};
-pub use quell_signal::Course;
 pub use robot::{Joint, Robot, RobotError};
 pub use rotor::{Unseen, rotor};

@@ -1,17 +1,13 @@
 //! The questions of a proposed manifest, line by line.
 
 use crate::cli::CliError;
-use crate::recording::{ROLES, Role, TimeUnit, UNITS, one_of};
+use crate::recording::{GUESSED, NO_RATE, ROLES, Role, TimeUnit, UNITS, one_of};
 use std::collections::BTreeMap;
 use std::io::{BufRead, Write};
 
-/// What marks a guessed line.
-const GUESSED: &str = "  # guessed: ";
 /// The head of a block that is still a comment, and the mark of each of its lines.
 const COMMENTED: &str = "# [[channel]]";
 const MARK: &str = "# ";
-/// The line of a rate that nothing tells.
-const NO_RATE: &str = "# rate_hz = ";
 
 /// What was answered.
 #[derive(Clone)]

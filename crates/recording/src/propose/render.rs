@@ -8,7 +8,7 @@ use super::columns::Channel;
 use super::content::Content;
 use super::read::{Read, Test, read};
 use super::toml_text::{layout, line, quoted};
-use super::{Guess, Proposal, Proposed, joint, manifest_name, response, wraps};
+use super::{GUESSED, Guess, NO_RATE, Proposal, Proposed, joint, manifest_name, response, wraps};
 use crate::Wrap;
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -97,7 +97,7 @@ fn manifest(name: String, title: &str, files: &[Read], test: Option<&Test>) -> P
     if let Some(Test::Rows(rows)) = test {
         let _ = writeln!(
             text,
-            "rows = [{}, {}]  # guessed: the time begins again with each test",
+            "rows = [{}, {}]{GUESSED}the time begins again with each test",
             rows.start, rows.end
         );
     }
@@ -184,10 +184,13 @@ fn channel(file: &Read, channel: &Channel) -> String {
         }
         Clock::Split(split) => {
             let (rate, why) = (round(split.rate_hz), split.words(file.content));
-            let _ = writeln!(text, "rate_hz = {rate}  # guessed: {}", line(&why));
+            let _ = writeln!(text, "rate_hz = {rate}{GUESSED}{}", line(&why));
         }
         Clock::None | Clock::Counted(_) => {
-            text += "# rate_hz =   # samples a second: nothing in the file says it\n"
+            let _ = writeln!(
+                text,
+                "{NO_RATE}  # samples a second: nothing in the file says it"
+            );
         }
     }
     let comment = match called
@@ -241,7 +244,7 @@ fn to_fill_in(file: &Read) -> String {
 
 fn key<T>(key: &str, value: &str, guess: &Guess<T>) -> String {
     match &guess.why {
-        Some(why) => format!("{key} = {value}  # guessed: {}\n", line(why)),
+        Some(why) => format!("{key} = {value}{GUESSED}{}\n", line(why)),
         None => format!("{key} = {value}\n"),
     }
 }
