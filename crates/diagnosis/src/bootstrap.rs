@@ -168,7 +168,7 @@ impl<'a> World<'a> {
         }
         // The noise of an input that counts as noise of the outputs is drawn with theirs, if it is as large at any time.
         let error = |e: usize| match InputError::of(&problem.experiments[e]) {
-            InputError::White(_) | InputError::Walk(_)
+            InputError::White(_) | InputError::Walk(_) | InputError::Smoothed(_)
                 if problem.heard_input_noise(e).is_some() =>
             {
                 InputError::None

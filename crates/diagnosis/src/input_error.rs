@@ -12,7 +12,9 @@ use std::ops::Range;
 pub fn noise(error: InputError, values: &[f64]) -> Option<f64> {
     match error {
         InputError::None => None,
-        InputError::White(deviation) | InputError::Walk(deviation) => Some(deviation),
+        InputError::White(deviation)
+        | InputError::Walk(deviation)
+        | InputError::Smoothed(deviation) => Some(deviation),
         InputError::Rounding(step) => {
             let levels = levels(values, step);
             let fast =
@@ -24,10 +26,11 @@ pub fn noise(error: InputError, values: &[f64]) -> Option<f64> {
     }
 }
 
-/// The input with another draw of an error added; `None` where there is no error.
+/// The input with another draw of an error added; `None` where there is no error. That of a smoothed input is a part of the
+/// noise of the outputs.
 pub fn drawn(error: InputError, values: &[f64], random: &mut impl Rng) -> Option<Vec<f64>> {
     match error {
-        InputError::None => None,
+        InputError::None | InputError::Smoothed(_) => None,
         InputError::Rounding(step) => Some(rounded_again(values, step, random)),
         InputError::White(noise) => {
             let noisy = |u: &f64| u + noise * random.sample::<f64, _>(StandardNormal);

@@ -13,7 +13,9 @@
 //!
 //! An encoder's rounding is such noise while it moves by more than a step per sample. The noise of a velocity whose
 //! integral drives the model adds up: `h` is then the response to a step, and an output that keeps the step has this
-//! covariance in its differences, so that these are whitened.
+//! covariance in its differences, so that these are whitened. A smoothed position, whose second derivative is taken, errs by what
+//! its smoother leaves out and by what it keeps of the noise: `h` is then the response to a draw of that error. Its density is
+//! that of a motion whose jerk is white, and more than that of a planned move.
 //!
 //! Source: Soederstroem, Errors-in-Variables Methods in System Identification (2018), chapter 2, for a noisy
 //! input; Brockwell and Davis, Time Series: Theory and Methods (1991), section 5.2, for the innovations
@@ -94,17 +96,15 @@ impl Problem<'_> {
             let inputs = &experiment.input_values;
             let adds_up = matches!(InputError::of(experiment), InputError::Walk(_));
             let response = |place: f64| {
-                let from = (place * inputs.len() as f64) as usize;
-                let until = if adds_up { inputs.len() } else { from + 1 };
+                let shape = shape_of_error(experiment, deviation, place);
                 respond(&|sign| {
                     let mut other = inputs.clone();
-                    let moved = other[from..until].iter_mut();
-                    moved.for_each(|u| *u += sign * deviation);
+                    shape.iter().for_each(|(k, own)| other[*k] += sign * own);
                     experiment.with_input(other)
                 })
             };
             all.push(Heard {
-                samples: inputs.len() as f64,
+                samples: draws_of_input(experiment) as f64,
                 deviation,
                 adds_up,
                 responses: PLACES.map(response),
@@ -112,6 +112,44 @@ impl Problem<'_> {
         }
         all
     }
+}
+
+/// Number of draws of the error of an input. The response of a smoothed one is taken where the outputs have rows, and they have
+/// none at rest.
+fn draws_of_input(experiment: &Experiment) -> usize {
+    let (inputs, stamps) = (&experiment.input_time, &experiment.outputs[0].time);
+    if experiment.input_smoothed.is_none() {
+        return inputs.len();
+    }
+    let half = 0.5 * experiment.mean_interval();
+    let is_read = |time: &&f64| {
+        let next = stamps.partition_point(|stamp| *stamp < **time - half);
+        stamps.get(next).is_some_and(|stamp| *stamp < **time + half)
+    };
+    inputs.iter().filter(is_read).count()
+}
+
+/// Change of the samples of an input by a draw of its error at a place.
+fn shape_of_error(experiment: &Experiment, deviation: f64, place: f64) -> Vec<(usize, f64)> {
+    let count = experiment.input_values.len();
+    let from = (place * count as f64) as usize;
+    let until = match (InputError::of(experiment), &experiment.input_smoothed) {
+        (InputError::Walk(_), _) => count,
+        (_, Some(response)) => {
+            // Where the outputs have rows.
+            let stamps = &experiment.outputs[0].time;
+            let stamp = stamps[(place * stamps.len() as f64) as usize];
+            let at = experiment.input_time.partition_point(|time| *time < stamp);
+            let around = (at + response.len() / 2)..;
+            let samples = around.map(|k| k.checked_sub(response.len()));
+            let shape = samples
+                .zip(response)
+                .filter_map(|(k, own)| Some((k?, *own)));
+            return shape.filter(|own| own.0 < count).collect();
+        }
+        _ => from + 1,
+    };
+    (from..until).map(|k| (k, deviation)).collect()
 }
 
 /// What the outputs hear of a noise.

@@ -124,9 +124,9 @@ fn weights(
             let squares: Vec<f64> = same.map(|(_, left)| left * left).collect();
             (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
         };
-        let above = |k: usize| level(k) / own[k].deviation;
+        let above = |k: usize| level(k) / noise[k].deviation;
         let least = (0..own.len()).map(above).fold(f64::INFINITY, f64::min);
-        let louder = |k: usize| own[k].louder(above(k) / least);
+        let louder = |k: usize| own[k].louder(level(k) / least / own[k].deviation);
         (0..own.len()).map(louder).collect()
     };
     problem.experiments.iter().enumerate().map(weigh).collect()

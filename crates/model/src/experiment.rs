@@ -64,6 +64,9 @@ pub struct Experiment {
     /// Standard deviation of the noise that an interval of the samples adds to it, where it is the integral of a measured
     /// velocity.
     pub input_walk: Option<f64>,
+    /// Response of the error of its values to independent draws of unit variance, one for each sample, where they were
+    /// smoothed: as many samples before the draw's own as from that on.
+    pub input_smoothed: Option<Vec<f64>>,
     /// Its course between samples.
     pub hold: Hold,
     /// Nodes of the integration.

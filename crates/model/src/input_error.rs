@@ -19,12 +19,23 @@ pub enum InputError {
     White(f64),
     /// The integral of white noise: a random walk whose steps, from sample to sample, have this standard deviation.
     Walk(f64),
+    /// What a smoother left of noise and took away of the motion, of this standard deviation; its correlation is that of
+    /// [`Experiment::input_smoothed`].
+    Smoothed(f64),
 }
 
 impl InputError {
     /// The error of an experiment's input. The noise of a force or a current drove the machine, so that only
     /// the rounding of its record is an error.
     pub fn of(experiment: &Experiment) -> Self {
+        if let Some(response) = &experiment.input_smoothed {
+            return Self::Smoothed(response.iter().map(|own| own * own).sum::<f64>().sqrt());
+        }
+        Self::of_values(experiment)
+    }
+
+    /// The error that the values show.
+    fn of_values(experiment: &Experiment) -> Self {
         if let Some(step) = experiment.input_walk {
             return match step > 0.0 {
                 true => Self::Walk(step),
@@ -46,7 +57,7 @@ impl InputError {
     pub fn of_noise(self) -> Option<f64> {
         match self {
             Self::White(deviation) | Self::Walk(deviation) => Some(deviation),
-            Self::None | Self::Rounding(_) => None,
+            Self::None | Self::Rounding(_) | Self::Smoothed(_) => None,
         }
     }
 
@@ -55,8 +66,8 @@ impl InputError {
         if !is_measured_motion(experiment.input) {
             return None;
         }
-        match Self::of(experiment) {
-            Self::None => None,
+        match Self::of_values(experiment) {
+            Self::None | Self::Smoothed(_) => None,
             Self::Rounding(step) => Some(0.5 * step),
             Self::White(deviation) | Self::Walk(deviation) => Some(deviation),
         }

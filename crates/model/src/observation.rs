@@ -49,9 +49,10 @@ impl Experiment {
             .iter_mut()
             .for_each(Channel::unwrap_turns);
         let input = Self::input(model, &recording)?;
-        if model.kind.differentiates {
-            differentiated::smooth(&mut recording, input, model.kind.outputs);
-        }
+        let input_smoothed = match model.kind.differentiates {
+            true => differentiated::smooth(&mut recording, input, model.kind.outputs),
+            false => None,
+        };
         let mut gain = gain::unify(&mut recording);
         if gain.is_none() && is_prescribed(model, recording.channels[input].role) {
             gain = gain::of_deformation(&mut recording);
@@ -73,6 +74,7 @@ impl Experiment {
             input_time: input.time,
             input_values: input.columns.swap_remove(0),
             input_walk,
+            input_smoothed,
             hold,
             outputs: Vec::new(),
             initial: [0.0; 4],

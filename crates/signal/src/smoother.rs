@@ -19,7 +19,9 @@
 //! and interpolation with the state-space model, J. American Statistical Association 84 (1989), for `r` and `R`; MacKay,
 //! Bayesian interpolation, Neural Computation 4 (1992), for the iteration.
 
+use super::fourier::fourier;
 use nalgebra::{Matrix3, Vector3};
+use std::collections::BTreeMap;
 
 /// Where the logarithm of the intensity is looked for: from a motion of which a million samples show the acceleration to
 /// one whose every sample is all there is.
@@ -36,7 +38,81 @@ pub struct Smoother<'a> {
     first: Matrix3<f64>,
 }
 
+/// Intensities in a factor of e that are told apart where an error is averaged over them: its correlation is then right in time
+/// to a sixtieth.
+const CLASSES: f64 = 5.0;
+/// Samples to either side over which an error of the smoothed positions is told.
+const REACH: usize = 512;
+
+/// Smoothed positions, and what is known of their error.
+#[derive(Clone, Debug)]
+pub struct Smoothed {
+    /// Position, velocity and acceleration at each value.
+    pub state: Vec<[f64; 3]>,
+    /// Variance of the sensor's noise.
+    variance: f64,
+    jerk: Jerk,
+}
+
+impl Smoothed {
+    /// Positions that are exact.
+    pub fn exact(state: Vec<[f64; 3]>) -> Self {
+        Self {
+            state,
+            variance: 0.0,
+            jerk: Jerk::constant(0.0),
+        }
+    }
+
+    /// Response of the error of the smoothed positions to independent draws of unit variance, one for each sample: the
+    /// [`REACH`] samples before the draw's own, that, and one fewer after it. `counts` says of each value whether it counts.
+    ///
+    /// With the transfer function `S` of the smoother, the spectral density of the error is `s^2 S`: that of a Wiener filter
+    /// (Wiener, Extrapolation, Interpolation, and Smoothing of Stationary Time Series, 1949, section III.1). The response is
+    /// its even root.
+    pub fn response_of_error(&self, counts: impl Fn(usize) -> bool) -> Vec<f64> {
+        let last = self.jerk.each.len() - 1;
+        let counted = (0..self.state.len()).filter(|k| counts(*k));
+        // The kernel's length goes with the sixth root of the intensity.
+        let class = |k: usize| {
+            (CLASSES * self.jerk.each[(k / self.jerk.stretch).min(last)].ln()).round() as i64
+        };
+        let mut classes = BTreeMap::<i64, usize>::new();
+        counted.for_each(|k| *classes.entry(class(k)).or_default() += 1);
+        let all: usize = classes.values().sum();
+        let mut mean = vec![0.0; 2 * REACH];
+        for (class, count) in classes {
+            let share = count as f64 / all as f64;
+            let kernel = kernel((class as f64 / CLASSES).exp());
+            let pairs = mean.iter_mut().zip(kernel);
+            pairs.for_each(|(sum, own)| *sum += share * own);
+        }
+        let density = fourier(centred(&mean));
+        let root = |k: usize| density[k.min(2 * REACH - k)].re.max(0.0).sqrt();
+        let root = fourier((0..2 * REACH).map(root).collect());
+        let size = self.variance.sqrt() / (2 * REACH) as f64;
+        let lag = |k: usize| size * root[k.abs_diff(REACH)].re;
+        (0..2 * REACH).map(lag).collect()
+    }
+}
+
+/// Smoothed positions of a one among zeros, [`REACH`] of them before it, for a constant intensity.
+fn kernel(intensity: f64) -> impl Iterator<Item = f64> {
+    let mut values = [0.0; 2 * REACH];
+    values[REACH] = 1.0;
+    let smoother = Smoother::new(&values, &[1.0; 2 * REACH - 1]);
+    let state = smoother.smoothed_by(&Jerk::constant(intensity));
+    state.into_iter().map(|own| own[0])
+}
+
+/// The same, its middle first and what was before it last.
+fn centred(values: &[f64]) -> Vec<f64> {
+    let (before, after) = values.split_at(values.len() / 2);
+    [after, before].concat()
+}
+
 /// Intensity of the jerk in each stretch of steps.
+#[derive(Clone, Debug)]
 struct Jerk {
     each: Vec<f64>,
     stretch: usize,
@@ -85,11 +161,15 @@ impl<'a> Smoother<'a> {
         }
     }
 
-    /// Position, velocity and acceleration at each value.
-    pub fn smoothed(&self) -> Vec<[f64; 3]> {
+    /// The positions, smoothed with the likeliest intensities.
+    pub fn smoothed(&self) -> Smoothed {
         let constant = Jerk::constant(self.likeliest().exp());
         let jerk = self.in_stretches(&constant).unwrap_or(constant);
-        self.smoothed_by(&jerk)
+        Smoothed {
+            state: self.smoothed_by(&jerk),
+            variance: self.likelihood(&jerk).1,
+            jerk,
+        }
     }
 
     fn smoothed_by(&self, jerk: &Jerk) -> Vec<[f64; 3]> {
@@ -306,7 +386,7 @@ mod tests {
                 let jerk = Jerk::constant(smoother.likeliest().exp());
                 error(&truth[range], &smoother.smoothed_by(&jerk), INSIDE)
             };
-            let found = Smoother::new(&values, &steps).smoothed();
+            let found = Smoother::new(&values, &steps).smoothed().state;
             let own = |range: Range<usize>| error(&truth[range.clone()], &found[range], INSIDE);
             let whole = Smoother::new(&values, &steps);
             let jerk = Jerk::constant(whole.likeliest().exp());
@@ -316,6 +396,34 @@ mod tests {
             let moves = own(MOVE) / constant(MOVE);
             assert!(moves < 1.17, "seed {seed}: {moves}");
         }
+    }
+
+    /// The error has the spread that its response says, and so has its second difference, which is that of the acceleration.
+    #[test]
+    fn val_the_error_is_as_large_as_is_said() {
+        let second = |of: &[f64]| -> Vec<f64> {
+            let triples = of.windows(3);
+            triples.map(|w| w[0] - 2.0 * w[1] + w[2]).collect()
+        };
+        let square = |of: &[f64]| of.iter().map(|own| own * own).sum::<f64>();
+        let (mut ratios, seeds) = ([0.0; 2], 8);
+        for seed in 0..seeds {
+            let truth = even(seed);
+            let steps = vec![1.0; truth.len() - 1];
+            let found = Smoother::new(&noisy(&truth, seed), &steps).smoothed();
+            let inside = found.state.iter().zip(&truth).skip(100).take(1300);
+            let error: Vec<f64> = inside.map(|(own, truth)| own[0] - truth[0]).collect();
+            let said = found.response_of_error(|_| true);
+            let pairs = [(&error, &said), (&second(&error), &second(&said))];
+            for (ratio, (error, said)) in ratios.iter_mut().zip(pairs) {
+                *ratio += square(error) / error.len() as f64 / square(said) / seeds as f64;
+            }
+        }
+        // A seed has about a hundred independent errors.
+        assert!(
+            ratios.iter().all(|own| (own - 1.0).abs() < 0.15),
+            "{ratios:?}"
+        );
     }
 
     /// A motion that is the same throughout has one intensity.

@@ -89,6 +89,7 @@ fn replaced(
     };
     Some(Experiment {
         outputs: outputs.collect(),
+        input_smoothed: base.input_smoothed.clone(),
         initial: [position, 0.0, 0.0, 0.0],
         grid,
         windows: Vec::new(),
