@@ -129,27 +129,25 @@ fn draws_of_input(experiment: &Experiment) -> usize {
     inputs.iter().filter(is_read).count()
 }
 
-/// Change of the samples of an input by a draw of its error at a place.
+/// Change of the samples of an input by a draw of its error at a place: a share of its length, or of the outputs' rows where it
+/// was smoothed.
 fn shape_of_error(experiment: &Experiment, deviation: f64, place: f64) -> Vec<(usize, f64)> {
     let count = experiment.input_values.len();
-    let from = (place * count as f64) as usize;
-    let until = match (InputError::of(experiment), &experiment.input_smoothed) {
-        (InputError::Walk(_), _) => count,
-        (_, Some(response)) => {
-            // Where the outputs have rows.
-            let stamps = &experiment.outputs[0].time;
-            let stamp = stamps[(place * stamps.len() as f64) as usize];
-            let at = experiment.input_time.partition_point(|time| *time < stamp);
-            let around = (at + response.len() / 2)..;
-            let samples = around.map(|k| k.checked_sub(response.len()));
-            let shape = samples
-                .zip(response)
-                .filter_map(|(k, own)| Some((k?, *own)));
-            return shape.filter(|own| own.0 < count).collect();
-        }
-        _ => from + 1,
+    let at = |count: usize| (place * count as f64) as usize;
+    if let Some(response) = &experiment.input_smoothed {
+        let stamps = &experiment.outputs[0].time;
+        let stamp = stamps.get(at(stamps.len())).copied().unwrap_or_default();
+        let middle = experiment.input_time.partition_point(|time| *time < stamp);
+        let sample = |k: usize| (middle + k).checked_sub(response.len() / 2);
+        let shape = response.iter().enumerate();
+        let shape = shape.filter_map(|(k, own)| Some((sample(k)?, *own)));
+        return shape.filter(|own| own.0 < count).collect();
+    }
+    let until = match InputError::of(experiment) {
+        InputError::Walk(_) => count,
+        _ => at(count) + 1,
     };
-    (from..until).map(|k| (k, deviation)).collect()
+    (at(count)..until).map(|k| (k, deviation)).collect()
 }
 
 /// What the outputs hear of a noise.

@@ -54,7 +54,25 @@ pub fn of_outputs(problem: &Problem, found: &Found) -> Vec<String> {
     let mut remarks = gains(problem, &found.best.fitted.point);
     remarks.extend(directions(problem));
     remarks.extend(walk(problem));
+    remarks.extend(smoothed(problem));
     remarks
+}
+
+/// The noise of a force with the error of the smoothed position, where that is the larger part; of the first recording.
+fn smoothed(problem: &Problem) -> Option<String> {
+    problem.experiments[0].input_smoothed.as_ref()?;
+    let (own, both) = (&problem.sensor_noise[0], &problem.noise[0]);
+    let output = problem.experiments[0].outputs.first()?;
+    let (own, both) = (own.first()?.deviation, both.first()?.deviation);
+    (both > 2f64.sqrt() * own).then(|| {
+        format!(
+            "The acceleration is that of a smoothed {}. What the smoother may leave out counts as noise of {}: {both:.2e} {unit}, of \
+             which its sensor has {own:.2e}. Smoother moves, a finer encoder or a faster clock lower it.",
+            problem.experiments[0].input,
+            output.channel,
+            unit = output.unit
+        )
+    })
 }
 
 /// The largest noise of a velocity that was integrated, at the end of its recording; `None` where it shows none.

@@ -96,8 +96,8 @@ fn measured(problem: &Problem, point: &Point) -> Option<(Each<Whitening>, Each<f
 /// output: the quietest sensor would count alone. A model's error belongs to the motion, whichever sensor sees
 /// it, so that outputs of one unit weigh alike. If the levels are unknown, the likelihood is `prod RSS_k^(-N_k
 /// / 2)` over the units, and the weights are the levels themselves, of the sensors' own colour: how the chain
-/// colours the noise of the input says nothing about a model's error. If one output shows only noise, the
-/// weights are those of the noise.
+/// colours the noise of the input says nothing about a model's error. The nearest output keeps the level of its
+/// whole noise, so that a search ends there. If one output shows only noise, the weights are those of the noise.
 ///
 /// Source: Box and Draper, The Bayesian estimation of common parameters from several responses,
 /// Biometrika 52 (1965), for outputs whose errors are independent.

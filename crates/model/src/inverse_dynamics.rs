@@ -10,7 +10,8 @@ use quell_recording::Role;
 ///
 /// A known force `F_k` and a known inertia `J` make it `F = (m + J) u'' + b u' - F_k`: `m` is then what moves with the motor
 /// alone. Nothing is integrated, so that noise of the torque stays noise. The second derivative of the position is that of a
-/// smoother whose bandwidth is the likeliest. The force at rest is not used: friction holds whatever it can bear there.
+/// smoother whose bandwidth is the likeliest; what it may leave out counts as noise of the force. The force at rest is not used:
+/// friction holds whatever it can bear there.
 ///
 /// Source: Khalil and Dombre, Modeling, Identification and Control of Robots (2002), chapter 12.
 pub const INVERSE_DYNAMICS: Kind = Kind {
