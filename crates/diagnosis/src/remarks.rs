@@ -1,5 +1,6 @@
 //! Remarks for the reader of a diagnosis.
 
+use super::figure::figure;
 use super::found::Found;
 use super::point::Point;
 use super::problem::Problem;
@@ -66,11 +67,12 @@ fn smoothed(problem: &Problem) -> Option<String> {
     let (own, both) = (own.first()?.deviation, both.first()?.deviation);
     (both > 2f64.sqrt() * own).then(|| {
         format!(
-            "The acceleration is that of a smoothed {}. What the smoother may leave out counts as noise of {}: {both:.2e} {unit}, of \
-             which its sensor has {own:.2e}. Smoother moves, a finer encoder or a faster clock lower it.",
+            "The acceleration is that of a smoothed {}. What the smoother may leave out counts as noise of {}: {}, of which its \
+             sensor has {}. Smoother moves, a finer encoder or a faster clock lower it.",
             problem.experiments[0].input,
             output.channel,
-            unit = output.unit
+            figure(both, &output.unit),
+            figure(own, &output.unit)
         )
     })
 }
