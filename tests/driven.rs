@@ -70,6 +70,20 @@ fn diagnosed(model: &str, channels: Vec<(Role, &str, Vec<f64>)>, rate: f64) -> O
     outcome.unwrap()
 }
 
+/// The diagnosis of a torque by the motion that it makes. The torque stands first: the unit of positions is not its own.
+fn inverted(keys: &str, [torque, position]: [Vec<f64>; 2], rate: f64) -> Diagnosis {
+    let channels = vec![
+        (Role::Torque, "N.m", torque),
+        (Role::MotorPosition, "rad", position),
+    ];
+    diagnosed(
+        &format!("kind = \"inverse_dynamics\"\n{keys}"),
+        channels,
+        rate,
+    )
+    .diagnosis
+}
+
 /// The value of a parameter of a finding at a place, and whether its interval holds the truth.
 fn check(diagnosis: &Diagnosis, effect: &str, place: &str, parameter: &str, truth: f64) {
     let mut findings = diagnosis.findings.iter();
@@ -143,16 +157,7 @@ fn inverse_dynamics_sees_friction_through_the_noise_of_a_position() {
         torque.push(mass * acceleration + viscous * v + friction * v.signum() + noise);
         position.push(q);
     }
-    let told = diagnosed(
-        "kind = \"inverse_dynamics\"\nmass = 0.35\n",
-        // The torque stands first: the unit of positions is not its own.
-        vec![
-            (Role::Torque, "N.m", torque),
-            (Role::MotorPosition, "rad", position),
-        ],
-        rate,
-    )
-    .diagnosis;
+    let told = inverted("mass = 0.35\n", [torque, position], rate);
     let found: Vec<&str> = told
         .findings
         .iter()
@@ -215,15 +220,7 @@ fn inverse_dynamics_of_planned_moves_lacks_nothing() {
             torque.push(mass * acceleration + viscous * v + noise);
             position.push(q);
         }
-        let told = diagnosed(
-            "kind = \"inverse_dynamics\"\nmass = 0.35\nviscous = 0.25\n",
-            vec![
-                (Role::Torque, "N.m", torque),
-                (Role::MotorPosition, "rad", position),
-            ],
-            rate,
-        )
-        .diagnosis;
+        let told = inverted("mass = 0.35\nviscous = 0.25\n", [torque, position], rate);
         assert_eq!(told.verdict, Verdict::NoMismatch, "{}", told.summary);
     }
 }

@@ -96,7 +96,7 @@ impl Problem<'_> {
             let inputs = &experiment.input_values;
             let adds_up = matches!(InputError::of(experiment), InputError::Walk(_));
             let response = |place: f64| {
-                let shape = shape_of_error(experiment, deviation, place);
+                let shape = shape_of_error(experiment, (deviation, adds_up), place);
                 respond(&|sign| {
                     let mut other = inputs.clone();
                     shape.iter().for_each(|(k, own)| other[*k] += sign * own);
@@ -131,7 +131,11 @@ fn draws_of_input(experiment: &Experiment) -> usize {
 
 /// Change of the samples of an input by a draw of its error at a place: a share of its length, or of the outputs' rows where it
 /// was smoothed.
-fn shape_of_error(experiment: &Experiment, deviation: f64, place: f64) -> Vec<(usize, f64)> {
+fn shape_of_error(
+    experiment: &Experiment,
+    (deviation, adds_up): (f64, bool),
+    place: f64,
+) -> Vec<(usize, f64)> {
     let count = experiment.input_values.len();
     let at = |count: usize| (place * count as f64) as usize;
     if let Some(response) = &experiment.input_smoothed {
@@ -143,10 +147,7 @@ fn shape_of_error(experiment: &Experiment, deviation: f64, place: f64) -> Vec<(u
         let shape = shape.filter_map(|(k, own)| Some((sample(k)?, *own)));
         return shape.filter(|own| own.0 < count).collect();
     }
-    let until = match InputError::of(experiment) {
-        InputError::Walk(_) => count,
-        _ => at(count) + 1,
-    };
+    let until = if adds_up { count } else { at(count) + 1 };
     (at(count)..until).map(|k| (k, deviation)).collect()
 }
 

@@ -34,7 +34,7 @@ impl InputError {
         Self::of_values(experiment)
     }
 
-    /// The error that the values show.
+    /// The error that the values show; those of a smoothed position show hardly any.
     fn of_values(experiment: &Experiment) -> Self {
         if let Some(step) = experiment.input_walk {
             return match step > 0.0 {

@@ -1,6 +1,6 @@
 //! Position, velocity and acceleration of a joint from its recorded positions.
 
-use super::smoother::{Smoothed, Smoother};
+use super::smoother::{Smoother, SmoothingError};
 use super::{CubicSpline, End, SignalError};
 use quell_recording::Channel;
 
@@ -20,7 +20,7 @@ pub struct Course {
     /// The greatest speed.
     pub fastest: f64,
     /// In steps of the clock.
-    smoothed: Smoothed,
+    error: SmoothingError,
 }
 
 impl Course {
@@ -38,17 +38,20 @@ impl Course {
             .windows(2)
             .map(|pair| (pair[1] - pair[0]) / unit)
             .collect();
-        let smoothed = match values.iter().all(|value| *value == values[0]) {
-            true => Smoothed::exact(vec![[values[0], 0.0, 0.0]; values.len()]),
+        let (state, error) = match values.iter().all(|value| *value == values[0]) {
+            true => {
+                let still = vec![[values[0], 0.0, 0.0]; values.len()];
+                (still, SmoothingError::none())
+            }
             false => Smoother::new(values, &steps).smoothed(),
         };
-        let scaled = |[q, v, a]: &[f64; 3]| [*q, v / unit, a / (unit * unit)];
-        let state: Vec<[f64; 3]> = smoothed.state.iter().map(scaled).collect();
+        let scaled = |[q, v, a]: [f64; 3]| [q, v / unit, a / (unit * unit)];
+        let state: Vec<[f64; 3]> = state.into_iter().map(scaled).collect();
         Ok(Self {
             time: time.clone(),
             fastest: state.iter().fold(0.0, |most, own| own[1].abs().max(most)),
             state,
-            smoothed,
+            error,
         })
     }
 
@@ -58,7 +61,7 @@ impl Course {
             time: vec![0.0],
             state: vec![[position, 0.0, 0.0]],
             fastest: 0.0,
-            smoothed: Smoothed::exact(vec![[position, 0.0, 0.0]]),
+            error: SmoothingError::none(),
         }
     }
 
@@ -66,8 +69,8 @@ impl Course {
     /// many samples before the draw's own as from that on. The smoother leaves out what the samples do not tell, and keeps a
     /// part of their noise.
     pub fn response_of_error(&self) -> Vec<f64> {
-        let moves = |k: usize| self.moves(self.time[k]);
-        self.smoothed.response_of_error(moves)
+        let moves = |k: &usize| self.moves(self.time[*k]);
+        self.error.response((0..self.time.len()).filter(moves))
     }
 
     /// Whether it moves at an instant, so that friction has a direction: above 1 % of the greatest speed.

@@ -41,44 +41,41 @@ pub struct Smoother<'a> {
 /// Intensities in a factor of e that are told apart where an error is averaged over them: its correlation is then right in time
 /// to a sixtieth.
 const CLASSES: f64 = 5.0;
-/// Samples to either side over which an error of the smoothed positions is told.
+/// Samples to either side over which an error of the smoothed positions is told: the lags of a noise that is to be whitened are
+/// fewer.
 const REACH: usize = 512;
 
-/// Smoothed positions, and what is known of their error.
+/// What is known of the error of smoothed positions.
 #[derive(Clone, Debug)]
-pub struct Smoothed {
-    /// Position, velocity and acceleration at each value.
-    pub state: Vec<[f64; 3]>,
+pub struct SmoothingError {
     /// Variance of the sensor's noise.
     variance: f64,
     jerk: Jerk,
 }
 
-impl Smoothed {
-    /// Positions that are exact.
-    pub fn exact(state: Vec<[f64; 3]>) -> Self {
+impl SmoothingError {
+    /// That of positions that are exact.
+    pub fn none() -> Self {
         Self {
-            state,
             variance: 0.0,
             jerk: Jerk::constant(0.0),
         }
     }
 
-    /// Response of the error of the smoothed positions to independent draws of unit variance, one for each sample: the
-    /// [`REACH`] samples before the draw's own, that, and one fewer after it. `counts` says of each value whether it counts.
+    /// Its response to independent draws of unit variance, one for each sample: the [`REACH`] samples before the draw's own,
+    /// that, and one fewer after it. It is a mean over the samples of these indices.
     ///
     /// With the transfer function `S` of the smoother, the spectral density of the error is `s^2 S`: that of a Wiener filter
     /// (Wiener, Extrapolation, Interpolation, and Smoothing of Stationary Time Series, 1949, section III.1). The response is
     /// its even root.
-    pub fn response_of_error(&self, counts: impl Fn(usize) -> bool) -> Vec<f64> {
+    pub fn response(&self, samples: impl Iterator<Item = usize>) -> Vec<f64> {
         let last = self.jerk.each.len() - 1;
-        let counted = (0..self.state.len()).filter(|k| counts(*k));
         // The kernel's length goes with the sixth root of the intensity.
         let class = |k: usize| {
             (CLASSES * self.jerk.each[(k / self.jerk.stretch).min(last)].ln()).round() as i64
         };
         let mut classes = BTreeMap::<i64, usize>::new();
-        counted.for_each(|k| *classes.entry(class(k)).or_default() += 1);
+        samples.for_each(|k| *classes.entry(class(k)).or_default() += 1);
         let all: usize = classes.values().sum();
         let mut mean = vec![0.0; 2 * REACH];
         for (class, count) in classes {
@@ -161,15 +158,12 @@ impl<'a> Smoother<'a> {
         }
     }
 
-    /// The positions, smoothed with the likeliest intensities.
-    pub fn smoothed(&self) -> Smoothed {
+    /// Position, velocity and acceleration at each value, with the likeliest intensities, and their error.
+    pub fn smoothed(&self) -> (Vec<[f64; 3]>, SmoothingError) {
         let constant = Jerk::constant(self.likeliest().exp());
         let jerk = self.in_stretches(&constant).unwrap_or(constant);
-        Smoothed {
-            state: self.smoothed_by(&jerk),
-            variance: self.likelihood(&jerk).1,
-            jerk,
-        }
+        let variance = self.likelihood(&jerk).1;
+        (self.smoothed_by(&jerk), SmoothingError { variance, jerk })
     }
 
     fn smoothed_by(&self, jerk: &Jerk) -> Vec<[f64; 3]> {
@@ -386,7 +380,7 @@ mod tests {
                 let jerk = Jerk::constant(smoother.likeliest().exp());
                 error(&truth[range], &smoother.smoothed_by(&jerk), INSIDE)
             };
-            let found = Smoother::new(&values, &steps).smoothed().state;
+            let found = Smoother::new(&values, &steps).smoothed().0;
             let own = |range: Range<usize>| error(&truth[range.clone()], &found[range], INSIDE);
             let whole = Smoother::new(&values, &steps);
             let jerk = Jerk::constant(whole.likeliest().exp());
@@ -410,10 +404,10 @@ mod tests {
         for seed in 0..seeds {
             let truth = even(seed);
             let steps = vec![1.0; truth.len() - 1];
-            let found = Smoother::new(&noisy(&truth, seed), &steps).smoothed();
-            let inside = found.state.iter().zip(&truth).skip(100).take(1300);
+            let (found, known) = Smoother::new(&noisy(&truth, seed), &steps).smoothed();
+            let inside = found.iter().zip(&truth).skip(100).take(1300);
             let error: Vec<f64> = inside.map(|(own, truth)| own[0] - truth[0]).collect();
-            let said = found.response_of_error(|_| true);
+            let said = known.response(0..truth.len());
             let pairs = [(&error, &said), (&second(&error), &second(&said))];
             for (ratio, (error, said)) in ratios.iter_mut().zip(pairs) {
                 *ratio += square(error) / error.len() as f64 / square(said) / seeds as f64;
