@@ -163,6 +163,26 @@ fn steps_are_finer_than_any_noise() {
     }
 }
 
+/// The shortest presliding distance at the largest friction that is tried: its bristles vibrate at 16 times the mode, a tenth of
+/// which the steps of the mode would resolve.
+#[test]
+fn the_stiffest_bristles_are_resolved() {
+    let (coarse, fine) = (grid(STEP), grid(STEP / 64.0));
+    let scales = scales(&simulate(None, &coarse).unwrap());
+    let effect = Effect::from_name("presliding_hysteresis").unwrap();
+    let shortest = (effect.parameters[1].bounds)(&scales).0;
+    for size in [0.06, 0.25] {
+        let values = [size * scales.force, shortest];
+        let run = |grid: &Grid| {
+            let law = Some(((effect.law)(&values), Place::Link));
+            deformation(&simulate(law, grid).unwrap())
+        };
+        let error = rms_difference(&run(&coarse), &run(&fine)) / scales.deformation;
+        println!("{size}: {error:.1e}");
+        assert!(error < 1e-4, "{size}: {error:.1e}");
+    }
+}
+
 #[test]
 fn everything_tried_is_finite_and_seen() {
     let grid = grid(STEP);

@@ -14,6 +14,7 @@ mod events;
 use super::attachment::{ATTACHMENTS, Attachment};
 use super::chain::{Chain, Constants, Instant, State, coordinate, position};
 use super::effects::{Change, Motion};
+use super::piecewise::RADIANS_A_STEP;
 use super::runge_kutta::{Span, Step, Trial, Whole, steps};
 use super::trace::Trace;
 
@@ -28,6 +29,10 @@ const OVERSHOOT: f64 = 1e-6;
 
 /// Most divisions of a step while friction depends on the speed.
 const FINEST: f64 = 32.0;
+
+/// Radians in a step of the vibration on a stiff force: it lasts for less than a radian, so that the step may be longer than
+/// that of a mode.
+const BRISTLES: f64 = 2.0 * RADIANS_A_STEP;
 
 /// A chain in motion.
 pub(super) struct Stepper<'a> {
@@ -194,7 +199,8 @@ impl<'a> Stepper<'a> {
     ) {
         let (shortest, mut events) = ((to - span.from) / FINEST, 0);
         while to > span.from {
-            let h = self.longest(&start, to - span.from).max(shortest);
+            let longest = self.longest(&start, to - span.from);
+            let h = self.on_bristles(&start, longest).max(shortest);
             let h = h.min(to - span.from);
             let trial = self.trial(state, &span, &start, h);
             let event = self.first_event(state, &start, &trial, &span);
@@ -248,6 +254,23 @@ impl<'a> Stepper<'a> {
                 true => longest,
                 false => longest.min(fall.step / (change.abs() + fall.drop)),
             };
+        }
+        longest
+    }
+
+    /// The longest step on a force that may be far stiffer than the transmission.
+    fn on_bristles(&self, start: &Instant, h: f64) -> f64 {
+        let mut longest = h;
+        for &(force, _) in &self.corners {
+            let element = &self.chain.forces[force];
+            let attachment = self.chain.attachment(element.place);
+            let [_, v] = coordinate(attachment, &start.motion);
+            let stiffness = element.law.stiffness(v, &element.memory);
+            if stiffness > 0.0 {
+                let mobility = self.constants.mobility(attachment);
+                let square = self.chain.linear.unit_force * mobility * stiffness;
+                longest = longest.min(BRISTLES / square.sqrt());
+            }
         }
         longest
     }

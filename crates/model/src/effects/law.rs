@@ -75,6 +75,12 @@ pub trait Force: Send + Sync {
         None
     }
 
+    /// Slope of the force over the position, force per position, where the motion goes on with the rate `v`: the integrator
+    /// makes steps that are short for the vibration on it. 0 of a law that is no stiffer than the transmission.
+    fn stiffness(&self, _v: f64, _memory: &Memory) -> f64 {
+        0.0
+    }
+
     /// Instants at which the force jumps: the integrator ends a step there.
     fn breaks(&self) -> Vec<f64> {
         Vec::new()

@@ -35,6 +35,10 @@ impl Force for Dahl {
     fn switch(&self, _motion: &Motion, _x: f64, v: f64, _memory: &Memory) -> Option<f64> {
         (self.friction > 0.0).then_some(v)
     }
+
+    fn stiffness(&self, v: f64, memory: &Memory) -> f64 {
+        self.friction / self.distance * (1.0 - v.signum() * memory.state)
+    }
 }
 
 /// Friction that builds up over a distance: `dF/dx = (F_c - F sign x') / x_s`.
@@ -55,8 +59,8 @@ pub const PRESLIDING_HYSTERESIS: Effect = Effect {
             name: "presliding_distance",
             role: ParameterRole::Shape,
             quantity: Quantity::POSITION,
-            // Shorter distances are Coulomb friction, with bristles too stiff for the integration.
-            bounds: |scales| (0.01 * scales.deformation, 3.0 * scales.deformation),
+            // Shorter distances are Coulomb friction: of the typical size its bristles vibrate at 12 times the mode.
+            bounds: |scales| (1e-3 * scales.deformation, 3.0 * scales.deformation),
             neutral: 1.0,
             typical: |scales| 0.1 * scales.deformation,
         },
