@@ -6,7 +6,7 @@ use super::document::{Scored, Verdict};
 use super::error::DiagnosisError;
 use super::excitation::{Carried, carried, mute, sampled, silent};
 use super::experiments::{coupled, experiments};
-use super::input_hold::{Held, held_input};
+use super::input_hold::{Held, held_beside, held_input};
 use super::outcome::{Options, Outcome, Progress};
 use super::run::{Looked, attempt};
 use super::score::score_in_one_piece;
@@ -49,10 +49,7 @@ pub fn diagnose(
     let (known, apart) = (stretches(train), stretches(held_out));
     let usual = experiments(model, &known)?;
     sampled(model, &usual, train)?;
-    let mut outcome = match held_input(model, &known, &usual)? {
-        None => look(model, usual, (&known, &apart), options, progress)?,
-        Some(held) => look_held(held, (&known, &apart), options, progress)?,
-    };
+    let mut outcome = look_as_held(model, usual, (&known, &apart), options, progress)?;
     if options.stop.was_asked() {
         return Err(DiagnosisError::Stopped);
     }
@@ -80,30 +77,81 @@ fn where_it_happened(outcome: &mut Outcome, recordings: &[Recording]) {
     }
 }
 
-/// A look with a model that says how its input runs between the samples.
-fn look_held(
-    held: Held,
+/// A look with the course of the input between its samples that the recordings show, where the model does not say it. What
+/// is found may show another one than the model did before: then it is looked again.
+fn look_as_held(
+    model: &Model,
+    usual: Vec<Experiment>,
     recordings: (&Stretches, &Stretches),
     options: &Options,
     progress: Progress,
 ) -> Result<Outcome, DiagnosisError> {
-    let mut outcome = look(&held.model, held.experiments, recordings, options, progress)?;
-    outcome.diagnosis.remarks.push(format!(
+    let unknown = Known::default();
+    if model.hold.is_some() {
+        return Ok(look(model, usual, recordings, &unknown, options, progress)?.outcome);
+    }
+    let held = held_input(model, recordings.0, &usual)?;
+    let look_at = |held: &Held, seen| look_held(held, recordings, seen, options, progress);
+    let (first, used) = match held {
+        None => {
+            let fitted = usual.clone();
+            let first = look(model, fitted, recordings, &unknown, options, progress)?;
+            (first, usual)
+        }
+        Some(held) => (look_at(&held, &unknown)?, held.experiments),
+    };
+    if first.outcome.diagnosis.findings.is_empty() || options.enough.now() {
+        return Ok(first.outcome);
+    }
+    let Some(mut held) = held_beside(&first.outcome.model, recordings.0, &used)? else {
+        return Ok(first.outcome);
+    };
+    held.model = Model {
+        hold: held.model.hold,
+        ..model.clone()
+    };
+    let seen = Known {
+        points: first.points,
+        alone: true,
+    };
+    let again = match look_at(&held, &seen)?.outcome {
+        again if explains_by_findings(&again) => again,
+        _ => look_at(&held, &unknown)?.outcome,
+    };
+    Ok(match explains(&first.outcome) && !explains(&again) {
+        true => first.outcome,
+        false => again,
+    })
+}
+
+/// A look with a model that says how its input runs between the samples.
+fn look_held(
+    held: &Held,
+    recordings: (&Stretches, &Stretches),
+    seen: &Known,
+    options: &Options,
+    progress: Progress,
+) -> Result<Looked, DiagnosisError> {
+    let fitted = held.experiments.clone();
+    let mut looked = look(&held.model, fitted, recordings, seen, options, progress)?;
+    looked.outcome.diagnosis.remarks.push(format!(
         "The input was taken as {}, which explains the recordings better. The model that is written says so \
          (`input_hold`).",
         held.words
     ));
-    Ok(outcome)
+    Ok(looked)
 }
 
-/// A look at recordings of limited length; `fitted` holds the experiments of those that are fitted.
+/// A look at recordings of limited length; `fitted` holds the experiments of those that are fitted, `seen` the
+/// explanations of another look.
 fn look(
     model: &Model,
     fitted: Vec<Experiment>,
     (known, held_out): (&Stretches, &Stretches),
+    seen: &Known,
     options: &Options,
     progress: Progress,
-) -> Result<Outcome, DiagnosisError> {
+) -> Result<Looked, DiagnosisError> {
     let train = &known.recordings[..];
     let mut apart = experiments(model, held_out)?;
     for experiment in &mut apart {
@@ -111,7 +159,6 @@ fn look(
     }
     mute(model, train, &fitted)?;
     mute(model, &held_out.recordings, &apart)?;
-    let unknown = Known::default();
     let once = |pieces, known: &Known| {
         attempt(
             model,
@@ -125,7 +172,7 @@ fn look(
     // A motor side whose motion was recorded does not drift: its windows begin after gaps.
     let drifts = (model.kind.linear)(&model.keys(), fitted[0].input).motor != MotorSide::Prescribed;
     if fitted[0].windows.is_empty() || !drifts {
-        return Ok(once((fitted, apart), &unknown)?.outcome);
+        return once((fitted, apart), seen);
     }
     // Coupled to the measured motion, an error of the force shows where and when it acts, and a fit has few
     // minima. But an effect that lasts longer than the coupling's memory, such as a sensor lag, is hidden, and
@@ -144,83 +191,80 @@ fn look(
             looked.outcome.diagnosis.remarks.push(COUPLED.into());
             Ok(looked)
         };
-        let Looked {
-            mut outcome,
-            believable,
-            points,
-        } = when_coupled(&unknown)?;
+        let mut looked = when_coupled(seen)?;
         if options.enough.now() {
-            return Ok(ended_early(outcome));
+            return Ok(ended_early(looked));
         }
-        if believable && halves(&outcome) {
+        if looked.believable && halves(&looked.outcome) {
             // The coupling takes the motion back within its memory, and with it most of what a slow error does. If
             // the same findings explain the windows, too, these determine the parameters far better.
-            let seen = Known {
-                points,
+            let found = Known {
+                points: looked.points.clone(),
                 alone: true,
             };
-            let longer = windowed(once(in_windows()?, &seen)?);
+            let longer = windowed(once(in_windows()?, &found)?);
             return Ok(match explains_by_findings(&longer.outcome) {
-                true => longer.outcome,
-                false if options.enough.now() => ended_early(outcome),
-                false => outcome,
+                true => longer,
+                false if options.enough.now() => ended_early(looked),
+                false => looked,
             });
         }
         // The findings do not improve the uncoupled motion: is the coupled motion noise without them, too?
-        if explains_by_findings(&outcome) {
+        if explains_by_findings(&looked.outcome) {
             let nothing = Known {
                 alone: true,
                 ..Known::default()
             };
-            outcome = when_coupled(&nothing)?.outcome;
+            looked = when_coupled(&nothing)?;
         }
         if options.enough.now() {
-            return Ok(ended_early(outcome));
+            return Ok(ended_early(looked));
         }
-        in_noise = (outcome.diagnosis.verdict == Verdict::NoMismatch).then_some(outcome);
+        let is_noise = looked.outcome.diagnosis.verdict == Verdict::NoMismatch;
+        in_noise = is_noise.then_some(looked);
     }
     let whole = (in_one(&fitted), in_one(&apart));
     // In one piece a small error of a force moves the end of the motion far, and a fit ends in the nearest of
     // many minima. In windows there are few minima, so their findings give the starts for the fit in one piece.
     // But small effects show in one piece only.
-    let Looked {
-        outcome: in_windows,
-        points,
-        ..
-    } = windowed(once(in_windows()?, &unknown)?);
+    let in_windows = windowed(once(in_windows()?, seen)?);
     // If the model explains the coupled motion down to the noise, it lacks at most slower physics, which
     // windows show.
-    if let Some(outcome) = in_noise {
-        return Ok(match halves(&in_windows) {
+    if let Some(looked) = in_noise {
+        return Ok(match halves(&in_windows.outcome) {
             true => in_windows,
-            false if options.enough.now() => ended_early(outcome),
-            false => outcome,
+            false if options.enough.now() => ended_early(looked),
+            false => looked,
         });
     }
     if options.enough.now() {
         return Ok(ended_early(in_windows));
     }
-    let alone = explains_by_findings(&in_windows);
-    let seen = Known { points, alone };
-    let in_one = once(whole, &seen)?.outcome;
-    if explains(&in_one) {
+    let alone = explains_by_findings(&in_windows.outcome);
+    let found = Known {
+        points: in_windows.points.clone(),
+        alone,
+    };
+    let in_one = once(whole, &found)?;
+    if explains(&in_one.outcome) {
         return Ok(in_one);
     }
     // Findings that reduce a mismatch to the noise in windows are right, even if small errors add up in one
     // piece.
-    let left = |own: &Outcome| own.diagnosis.fit.after.held_out_rms;
+    let left = |own: &Looked| own.outcome.diagnosis.fit.after.held_out_rms;
     let is_right = alone && left(&in_windows) < left(&in_one);
-    Ok(match is_right || is_better(&in_windows, &in_one, known) {
+    let is_better = is_right || is_better(&in_windows.outcome, &in_one.outcome, known);
+    Ok(match is_better {
         true if options.enough.now() => ended_early(in_windows),
         true => in_windows,
         false => in_one,
     })
 }
 
-/// The outcome of a look, if there was no time for another one.
-fn ended_early(mut outcome: Outcome) -> Outcome {
-    outcome.diagnosis.end_early();
-    outcome
+/// A look, if there was no time for another one.
+fn ended_early(mut looked: Looked) -> Looked {
+    looked.outcome.diagnosis.end_early();
+    looked
 }
 
 /// A look in windows, which says so.
