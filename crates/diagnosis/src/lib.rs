@@ -16,6 +16,7 @@ mod curves;
 mod data;
 mod descent;
 mod detrended;
+mod diagnose;
 mod displacement;
 mod document;
 mod draw;
@@ -98,6 +99,7 @@ mod views;
 mod weights;
 mod whitening;
 
+pub use diagnose::diagnose;
 pub use document::{
     Candidate, Diagnosis, Finding, Fit, FittedParameter, Location, NextMove, ProposedMove, Quality,
     Score, Scored, Verdict,
@@ -107,7 +109,6 @@ pub use in_place::InPlace;
 pub use judgement::{Judgement, judge};
 pub use law_curve::{LawCurve, LawParameter, LearnedLaw, NearestLaw};
 pub use locate::{Dynamics, Located, Residual, locate};
-pub use looks::diagnose;
 pub use outcome::{Options, Outcome, Progress};
 pub use scales::scales;
 pub use score::{Carrying, Predicted, carrying, forecast, predict, score};
