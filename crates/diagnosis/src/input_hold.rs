@@ -10,7 +10,7 @@ use super::projector::Projector;
 use super::screen::{Table, candidates};
 use super::split;
 use super::stretches::Stretches;
-use super::thresholds::{FLOOR, LONG, STRONG};
+use super::thresholds::{LONG, MOSTLY_NOISE, STRONG};
 use super::weights::measure_noise;
 use super::whitening::Whitening;
 use nalgebra::DVector;
@@ -48,15 +48,16 @@ pub fn held_input(
         .map(|own| own.held))
 }
 
-/// The same with the model that was found, once only noise is left. It is asked without its effects of drive and sensor, too: a
+/// The same with the model that was found, once noise is most of what is left. It is asked without its effects of drive and sensor, too: a
 /// delay or a lag among these may stand for half a sample. Of the residual only independent rows count.
 pub fn held_beside(
     found: &Model,
     recordings: &Stretches,
     usual: &[Experiment],
 ) -> Result<Option<Held>, DiagnosisError> {
-    let is_certain =
-        |own: &Other| own.per_row() < FLOOR && own.evidence() / correlation(&own.left) > STRONG;
+    let is_certain = |own: &Other| {
+        own.per_row() < MOSTLY_NOISE && own.evidence() / correlation(&own.left) > STRONG
+    };
     let mut without = found.clone();
     without.effects.retain(|own| {
         let values: Vec<f64> = own.parameters.iter().map(|own| own.value).collect();

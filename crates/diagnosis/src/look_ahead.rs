@@ -10,10 +10,7 @@ use super::explanation::Explanation;
 use super::pool::Pool;
 use super::screen::Table;
 use super::search::{Search, next_to_learn};
-use super::thresholds::{MOST_EFFECTS, least_credible};
-
-/// Chi-squared per row up to which noise is the larger part of what is left.
-const MOSTLY_NOISE: f64 = 2.0;
+use super::thresholds::{MOST_EFFECTS, MOSTLY_NOISE, least_credible};
 
 impl Search<'_> {
     /// Adds structures of more effects than the best explanation to a pool if they tell more; at most once for a pool.

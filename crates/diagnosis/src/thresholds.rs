@@ -5,6 +5,8 @@
 pub const STRONG: f64 = 10.0;
 /// Chi-squared per row up to which a residual is noise: the noise level is known within a tenth.
 pub const FLOOR: f64 = 1.21;
+/// Chi-squared per row up to which noise is the larger part of what is left.
+pub const MOSTLY_NOISE: f64 = 2.0;
 /// Most steps of a fit to convergence.
 pub const LONG: usize = 100;
 /// Most terms in one explanation: as many as a search of minutes can separate.
