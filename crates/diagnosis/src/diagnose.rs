@@ -102,15 +102,21 @@ fn look_as_held(
         points: first.points,
         alone: true,
     };
-    let again = match look_at(&held, &seen)?.outcome {
-        again if explains_by_findings(&again) => again,
-        _ => look_at(&held, &unknown)?.outcome,
-    };
+    let mut again = look_at(&held, &seen)?.outcome;
+    if !explains_by_findings(&again) && left(&again) >= left(&first.outcome) {
+        again = look_at(&held, &unknown)?.outcome;
+    }
     let is_worse = explains(&first.outcome) || options.enough.now();
     Ok(match is_worse && !explains(&again) {
         true => first.outcome,
         false => again,
     })
+}
+
+/// Sum of squares of what a better model leaves of each recording.
+fn left(own: &Outcome) -> f64 {
+    let scores = own.diagnosis.fit.scores.iter();
+    scores.map(|own| own.after.rms.powi(2)).sum()
 }
 
 /// A look with a model that says how its input runs between the samples.
