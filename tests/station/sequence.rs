@@ -16,7 +16,8 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
 
     /// One in five is lost, one in ten comes up to twenty later, one in ten twice; clocks jitter. Once the
-    /// sensor says more for a while.
+    /// sensor says more for a while. No more than twelve of forty are lost: the usual gap is a median over 64, of which
+    /// a burst takes up to 31, and by chance most of the rest may be gaps with losses.
     #[test]
     fn what_is_lost_is_counted_and_nothing_else(
         fates in prop::collection::vec((0..100u32, 1..20usize, -0.05..0.05f64), 1500..2500),
@@ -24,15 +25,16 @@ proptest! {
         start in 0.0..1e6f64,
     ) {
         let mut sequence = Sequence::default();
-        let (mut counted, mut dropped, mut late) = (0, 0u64, Vec::<(usize, f64)>::new());
+        let (mut counted, mut dropped, mut late) = (0, Vec::new(), Vec::<(usize, f64)>::new());
         let last = fates.len();
         for (k, &(fate, by, jitter)) in fates.iter().enumerate() {
             let stamp = start + GAP * (k as f64 + jitter);
             // The ends are whole: what is missing behind the newest is not known yet.
             // A burst behind one that is missing may be what was missing.
             let whole = k < 2 || k + 200 > last || (k <= burst.0 && k + 3 > burst.0);
+            let recent = dropped.iter().filter(|at| **at + 40 > k).count();
             match fate {
-                0..20 if !whole => dropped += 1,
+                0..20 if !whole && recent < 12 => dropped.push(k),
                 20..30 if !whole => late.push((k + by, stamp)),
                 _ => counted += lost(sequence.take(stamp)),
             }
@@ -50,7 +52,7 @@ proptest! {
                 counted += lost(sequence.take(stamp));
             }
         }
-        prop_assert_eq!(counted, dropped);
+        prop_assert_eq!(counted, dropped.len() as u64);
     }
 
     /// A sensor that pauses and then says at once what it held back has lost nothing, nor has one whose

@@ -16,7 +16,8 @@ impl Search<'_> {
     /// Adds structures of more effects than the best explanation to a pool if they tell more; at most once for a pool.
     /// Returns whether they do.
     pub fn look_ahead(&self, pool: &mut Pool) -> bool {
-        if self.leaves_noise(pool.best(self.judge))
+        if self.known.alone
+            || self.leaves_noise(pool.best(self.judge))
             || std::mem::replace(&mut pool.looked_ahead, true)
         {
             return false;
