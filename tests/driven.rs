@@ -45,6 +45,31 @@ const LENGTH: f64 = 6.0;
 /// Standard deviation of the noise of a position, rad.
 const NOISE: f64 = 1e-5;
 
+/// Steps of a simulation, s.
+const FINE: f64 = 1e-4;
+
+/// A force that a loop computes from the reference and the state, and that is held for `every` steps, and the positions of
+/// motor and link that it drives: state `[u, u', y, y']`.
+fn in_a_loop(
+    rates: impl Fn(f64, &[f64; 4]) -> [f64; 4],
+    mut computed: impl FnMut([f64; 2], &[f64; 4]) -> f64,
+    every: usize,
+) -> [Vec<f64>; 3] {
+    let (mut x, mut force) = ([0.0; 4], 0.0);
+    let mut seen = [Vec::new(), Vec::new(), Vec::new()];
+    for k in 0..(LENGTH / FINE) as usize {
+        if k % every == 0 {
+            force = computed(moves(k as f64 * FINE), &x);
+            let values = [force, x[0], x[2]];
+            seen.iter_mut()
+                .zip(values)
+                .for_each(|(all, value)| all.push(value));
+        }
+        step(|_, x: &[f64; 4]| rates(force, x), 0.0, FINE, &mut x);
+    }
+    seen
+}
+
 fn diagnosed(model: &str, channels: Vec<(Role, &str, Vec<f64>)>, rate: f64) -> Outcome {
     let mut random = ChaCha8Rng::seed_from_u64(7);
     let channels = channels.into_iter().map(|(role, unit, mut values)| {
@@ -237,20 +262,9 @@ fn a_driven_motor_shows_its_friction_and_its_cogging() {
         let force = torque + elastic - 1.5 * du - rubbing;
         [du, force / motor, dy, (-elastic - 0.3 * dy) / link]
     };
-    let (fine, every, mut x, mut torque) = (1e-4, 40, [0.0; 4], 0.0);
-    let mut seen = [Vec::new(), Vec::new(), Vec::new()];
-    for k in 0..(LENGTH / fine) as usize {
-        if k % every == 0 {
-            let [r, v] = moves(k as f64 * fine);
-            torque = 900.0 * (r - x[0]) + 60.0 * (v - x[1]);
-            let values = [torque, x[0], x[2]];
-            seen.iter_mut()
-                .zip(values)
-                .for_each(|(all, value)| all.push(value));
-        }
-        step(|_, x: &[f64; 4]| rates(torque, x), 0.0, fine, &mut x);
-    }
-    let [torque, motor, link] = seen;
+    let every = 40;
+    let servo = |[r, v]: [f64; 2], x: &[f64; 4]| 900.0 * (r - x[0]) + 60.0 * (v - x[1]);
+    let [torque, motor, link] = in_a_loop(rates, servo, every);
     let told = diagnosed(
         "kind = \"two_mass\"\ninput_hold = \"zero_order\"\nmotor_inertia = 0.75\nlink_inertia = 1.2\n\
          motor_viscous = 1.3\nlink_viscous = 0.3\nstiffness = 2000.0\ndamping = 2.5\n",
@@ -259,7 +273,7 @@ fn a_driven_motor_shows_its_friction_and_its_cogging() {
             (Role::MotorPosition, "rad", motor),
             (Role::LinkPosition, "rad", link),
         ],
-        1.0 / (fine * every as f64),
+        1.0 / (FINE * every as f64),
     );
     let told = told.diagnosis;
     check(
@@ -487,22 +501,13 @@ fn a_held_current_is_not_taken_for_smooth_beside_what_is_missing() {
             (-elastic - 0.3 * dy - rubbing) / link,
         ]
     };
-    let (fine, every, mut x, mut held, mut sum) = (1e-4, 20, [0.0; 4], 0.0, 0.0);
-    let mut seen = [Vec::new(), Vec::new(), Vec::new()];
-    for k in 0..(LENGTH / fine) as usize {
-        if k % every == 0 {
-            let [r, v] = moves(k as f64 * fine);
-            let slow = v + 6.0 * (r - x[0]) - x[1];
-            sum += slow * fine * every as f64;
-            held = 9.0 * slow + 20.0 * sum;
-            let values = [held, x[0], x[2]];
-            seen.iter_mut()
-                .zip(values)
-                .for_each(|(all, value)| all.push(value));
-        }
-        step(|_, x: &[f64; 4]| rates(held, x), 0.0, fine, &mut x);
-    }
-    let [current, motor, link] = seen;
+    let (every, mut sum) = (20, 0.0);
+    let cascade = |[r, v]: [f64; 2], x: &[f64; 4]| {
+        let slow = v + 6.0 * (r - x[0]) - x[1];
+        sum += slow * FINE * every as f64;
+        9.0 * slow + 20.0 * sum
+    };
+    let [current, motor, link] = in_a_loop(rates, cascade, every);
     let told = diagnosed(
         "kind = \"two_mass\"\nmotor_inertia = 0.55\nlink_inertia = 1.0\nmotor_viscous = 0.8\n\
          link_viscous = 0.3\nstiffness = 1650.0\ndamping = 1.0\n",
@@ -511,7 +516,7 @@ fn a_held_current_is_not_taken_for_smooth_beside_what_is_missing() {
             (Role::MotorPosition, "rad", motor),
             (Role::LinkPosition, "rad", link),
         ],
-        1.0 / (fine * every as f64),
+        1.0 / (FINE * every as f64),
     );
     let told = told.diagnosis;
     assert_eq!(told.findings.len(), 1, "{}", told.summary);

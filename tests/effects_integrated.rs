@@ -163,8 +163,8 @@ fn steps_are_finer_than_any_noise() {
     }
 }
 
-/// The shortest presliding distance at the largest friction that is tried: its bristles vibrate at 16 times the mode, a tenth of
-/// which the steps of the mode would resolve.
+/// Bristles of the shortest presliding distance, with two of the frictions that are tried: they vibrate at 8
+/// and 16 times the mode.
 #[test]
 fn the_stiffest_bristles_are_resolved() {
     let (coarse, fine) = (grid(STEP), grid(STEP / 64.0));

@@ -106,8 +106,8 @@ fn look_as_held(
     if !explains_by_findings(&again) && left(&again) >= left(&first.outcome) {
         again = look_at(&held, &unknown)?.outcome;
     }
-    let is_worse = explains(&first.outcome) || options.enough.now();
-    Ok(match is_worse && !explains(&again) {
+    let may_stay = explains(&first.outcome) || options.enough.now();
+    Ok(match may_stay && !explains(&again) {
         true => first.outcome,
         false => again,
     })

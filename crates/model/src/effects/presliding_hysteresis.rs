@@ -59,7 +59,7 @@ pub const PRESLIDING_HYSTERESIS: Effect = Effect {
             name: "presliding_distance",
             role: ParameterRole::Shape,
             quantity: Quantity::POSITION,
-            // Shorter distances are Coulomb friction: of the typical size its bristles vibrate at 12 times the mode.
+            // Shorter distances are Coulomb friction: of the typical size its bristles vibrate at 7 times the mode.
             bounds: |scales| (1e-3 * scales.deformation, 3.0 * scales.deformation),
             neutral: 1.0,
             typical: |scales| 0.1 * scales.deformation,
