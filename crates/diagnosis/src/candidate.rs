@@ -11,6 +11,15 @@ pub struct Known {
     pub alone: bool,
 }
 
+impl Known {
+    /// Whether one of them is this structure and an effect more.
+    pub fn extends(&self, from: &Point, effect: EffectAt) -> bool {
+        let with = self.points.iter();
+        let mut with = with.filter(|own| own.effects().contains(&effect));
+        with.any(|own| own.without_effect(effect).structure() == from.structure())
+    }
+}
+
 /// An effect at a place, and where its fit may start.
 pub struct Candidate {
     /// The effect and its place.

@@ -21,15 +21,19 @@ const SLOWER: u32 = 4;
 
 impl Search<'_> {
     /// Starts by continuation, for all effects that need it. If nothing is left to be found, only those effects
-    /// that take part in the halving are followed.
+    /// that take part in the halving are followed; in a look at what is known alone, only those that are known.
     pub(super) fn continued(&self, from: &Explanation, halving: &Halving) -> Vec<Candidate> {
         let own = from.effects();
         if self.problem.is_cut() {
             return Vec::new();
         }
-        let done = self.known.alone || halving.is_won() || self.leaves_noise(from);
+        let done = halving.is_won() || self.leaves_noise(from);
+        let asked = |effect: &EffectAt| match self.known.alone {
+            true => self.known.extends(&from.fitted.point, *effect),
+            false => halving.has(*effect) || !done,
+        };
         let winding = |effect: &EffectAt| {
-            effect.0.has_many_minima() && !own.contains(effect) && (halving.has(*effect) || !done)
+            effect.0.has_many_minima() && !own.contains(effect) && asked(effect)
         };
         let all = candidates(self.problem, Table::Named);
         let continued = all.into_iter().filter(winding);

@@ -24,8 +24,9 @@ pub enum Property {
     SeenByAccelerometers(&'static str),
     /// It may act again: an event at another [time](ParameterRole::Time), what lasts in another recording.
     Recurs,
-    /// Its misfit has many minima over its size: the frequency depends on the size, and both must be right
-    /// together. The sizes of its starts are above 0, the smallest first.
+    /// Its misfit has many minima over its size: the frequency depends on the size and both must be right
+    /// together, or the law acts at times that come and go with the size. The sizes of its starts are above 0, the one that
+    /// acts least first.
     ManyMinima,
     /// It is a damper between link and ground, with the coefficient as its size. In free vibration it is
     /// equivalent to damping across the joint.
@@ -157,7 +158,7 @@ impl Effect {
         self.parameters.iter().any(own)
     }
 
-    /// Whether its sizes need continuation, the smallest first.
+    /// Whether its sizes need continuation, from the one that acts least.
     pub fn has_many_minima(&self) -> bool {
         self.is(|own| matches!(own, Property::ManyMinima))
     }

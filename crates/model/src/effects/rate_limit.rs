@@ -1,7 +1,7 @@
 //! A drive whose output cannot change fast.
 
 use super::grid::sizes;
-use super::{Drive, Effect, Law, Parameter, ParameterRole, Place, Quantity};
+use super::{Drive, Effect, Law, Parameter, ParameterRole, Place, Property, Quantity};
 
 struct RateLimit {
     rate: f64,
@@ -39,13 +39,13 @@ pub const RATE_LIMIT: Effect = Effect {
         neutral: 0.0,
         typical: |scales| 0.3 * scales.input * scales.natural_frequency,
     }],
-    properties: &[],
+    properties: &[Property::ManyMinima],
     law: |p| Law::Drive(Box::new(RateLimit { rate: p[0] })),
     starts: |scales| {
         let unit = scales.input * scales.natural_frequency;
         sizes(
             unit,
-            [0.01, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0, 2.0, 5.0, 15.0],
+            [15.0, 5.0, 2.0, 1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.01],
         )
     },
 };
