@@ -46,6 +46,7 @@ mod judgement;
 mod law_band;
 mod law_curve;
 mod law_points;
+mod learned_from_named;
 mod left;
 mod limits;
 mod locate;

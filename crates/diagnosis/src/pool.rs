@@ -29,6 +29,8 @@ struct Entry {
     thinned: bool,
     /// Whether it was fitted again from the optimum of all rows.
     from_all: bool,
+    /// Whether learned laws were begun at the curves of its named ones.
+    learned_from: bool,
 }
 
 impl Entry {
@@ -37,6 +39,7 @@ impl Entry {
             own,
             thinned: false,
             from_all: false,
+            learned_from: false,
         }
     }
 }
@@ -93,6 +96,13 @@ impl Pool {
         all.any(|entry| entry.own.is_like(own))
     }
 
+    /// Marks a structure as one at whose named laws learned ones begin; returns whether it was not marked before.
+    pub fn mark_learned_from(&mut self, own: &Explanation) -> bool {
+        let mut entries = self.all.iter_mut();
+        let entry = entries.find(|entry| entry.own.is_like(own));
+        entry.is_some_and(|entry| !std::mem::replace(&mut entry.learned_from, true))
+    }
+
     /// Number of structures.
     pub fn count(&self) -> usize {
         self.all.len()
@@ -117,6 +127,7 @@ impl Pool {
                 // A parameter may have reached the end of its range, and the structures without its effect may not be kept.
                 thinned: entry.thinned && !own.is_meaningless,
                 from_all: entry.from_all,
+                learned_from: entry.learned_from,
                 own,
             }
         };

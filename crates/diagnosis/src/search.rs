@@ -48,6 +48,7 @@ impl Search<'_> {
             }
             while self.grow(pool, BEAM) {}
             let is_better = self.learn(pool)
+                || self.learn_from_named(pool)
                 || self.name(pool)
                 || self.exchange(pool)
                 || self.look_ahead(pool)

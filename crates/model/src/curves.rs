@@ -89,14 +89,7 @@ impl Curve {
 
     /// Coordinate of each ordinate.
     pub fn knots(&self) -> Vec<f64> {
-        let count = ordinates(self.effect);
-        match self.slot {
-            Slot::Hysteresis => slip_distances(&self.parameters).to_vec(),
-            slot => match *self.parameters {
-                [.., from, to] => over(slot, (from, to), count),
-                _ => Vec::new(),
-            },
-        }
+        knots(self.effect, &self.parameters)
     }
 
     /// A linear function of the curve, `sum w_i f(x_i)`.
@@ -112,6 +105,16 @@ impl Curve {
     fn index(&self, x: f64) -> usize {
         let index = self.points.partition_point(|point| *point < x);
         index.min(self.points.len() - 1)
+    }
+}
+
+/// Coordinate of each ordinate of a learned effect with these values; empty for another one.
+pub fn knots(effect: &Effect, parameters: &[f64]) -> Vec<f64> {
+    match (effect.slot(), parameters) {
+        _ if !effect.is_learned() => Vec::new(),
+        (Some(Slot::Hysteresis), _) => slip_distances(parameters).to_vec(),
+        (Some(slot), [.., from, to]) => over(slot, (*from, *to), ordinates(effect)),
+        _ => Vec::new(),
     }
 }
 
