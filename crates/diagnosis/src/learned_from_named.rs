@@ -16,21 +16,24 @@ use rayon::prelude::*;
 
 impl Search<'_> {
     /// Puts a learned law in the place of the named laws of each slot of the best explanation, where that leaves more than
-    /// noise; once for each structure. Returns whether there is a better explanation.
+    /// noise, or these are several and may be parts of one curve; once for each structure. Returns whether there is a better
+    /// explanation.
     pub fn learn_from_named(&self, pool: &mut Pool) -> bool {
         let best = pool.best(self.judge).clone();
-        if self.problem.is_cut() || self.leaves_noise(&best) || !pool.mark_learned_from(&best) {
+        if self.problem.is_cut() || !pool.mark_learned_from(&best) {
             return false;
         }
+        let least = if self.leaves_noise(&best) { 2 } else { 1 };
         let learned = candidates(self.problem, Table::Learned).into_par_iter();
-        let starts = learned.flat_map_iter(|own| self.at_curves(&best, own));
+        let starts = learned.flat_map_iter(|own| self.at_curves(&best, own, least));
         let found: Vec<Explanation> = starts.map(|point| self.refitted(&point)).collect();
         found.into_iter().for_each(|own| pool.add(own));
         !pool.best(self.judge).is_like(&best)
     }
 
-    /// An explanation with a learned law, at each of its resolutions, in the place of all its named laws of the same slot.
-    fn at_curves(&self, own: &Explanation, (learned, place): EffectAt) -> Vec<Point> {
+    /// An explanation with a learned law, at each of its resolutions, in the place of all its named laws of the same slot, if
+    /// they are at least so many.
+    fn at_curves(&self, own: &Explanation, (learned, place): EffectAt, least: usize) -> Vec<Point> {
         let point = &own.fitted.point;
         let is_named = |term: &Term| {
             let same = term.place == place && term.effect.slot() == learned.slot();
@@ -41,7 +44,7 @@ impl Search<'_> {
             .cloned()
             .partition(is_named);
         let is_static = !learned.happens() && learned.slot() != Some(Slot::Hysteresis);
-        if named.is_empty() || !is_static {
+        if named.len() < least || !is_static {
             return Vec::new();
         }
         let mut rest = point.clone();

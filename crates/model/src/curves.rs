@@ -10,7 +10,7 @@ pub use estimate::Estimate;
 pub use nearest::{NamedLaws, Nearest, Sum};
 pub use shape::{Growth, Shape, Trend};
 
-use crate::effects::{Effect, Motion, ParameterRole, Slot, curve, slip_distances};
+use crate::effects::{Effect, Motion, ParameterRole, Slot, curve, slip_distances, slip_velocities};
 use nalgebra::{DMatrix, DVector};
 
 /// 97.5 % quantile of the normal distribution: the half width of a 95 % band in standard deviations.
@@ -113,6 +113,7 @@ pub fn knots(effect: &Effect, parameters: &[f64]) -> Vec<f64> {
     match (effect.slot(), parameters) {
         _ if !effect.is_learned() => Vec::new(),
         (Some(Slot::Hysteresis), _) => slip_distances(parameters).to_vec(),
+        (Some(Slot::Friction), _) => slip_velocities(parameters),
         (Some(slot), [.., from, to]) => over(slot, (*from, *to), ordinates(effect)),
         _ => Vec::new(),
     }

@@ -2,6 +2,7 @@
 
 use proptest::prelude::*;
 use quell_model::chain::{Chain, ForceElement, FrictionElement, Linear, MotorSide, State};
+use quell_model::curves::knots;
 use quell_model::effects::{
     CandidateStop, Effect, KNOTS, LEARNED, Law, Memory, Motion, ParameterRole, Place, Scales, Slot,
     Visited,
@@ -336,6 +337,26 @@ fn val_a_learned_friction_of_stribecks_levels_is_stribeck_friction() {
         seen > 0.1 && fastest < 2.0 && off < 5e-3 * seen,
         "{off:e} of {seen:e}, {fastest}"
     );
+}
+
+/// Knots that are dense about rest resolve a level that rises from 0 within a hundredth of the speeds: it does not stick.
+#[test]
+fn val_dense_levels_of_a_hyperbolic_tangent_are_smooth_coulomb_friction() {
+    let (friction, transition) = (0.3, 0.02);
+    let named = law_of("smooth_coulomb_friction", &[friction, transition]);
+    let named = simulate(MASS, named, Place::Drive, 0.1);
+    let fine = effect("learned_friction").resolutions().nth(1).unwrap();
+    let mut values = fine.neutral();
+    let count = values.len();
+    values[count - 2..].copy_from_slice(&[-2.0, 2.0]);
+    let speeds = knots(fine, &values);
+    assert_eq!(speeds.len(), count - 2);
+    for (level, speed) in values.iter_mut().zip(&speeds) {
+        *level = friction * (speed.abs() / transition).tanh();
+    }
+    let learned = simulate(MASS, (fine.law)(&values), Place::Drive, 0.1);
+    let (off, seen) = differences(MASS, &named, &learned);
+    assert!(seen > 0.1 && off < 5e-3 * seen, "{off:e} of {seen:e}");
 }
 
 /// A level that is the same everywhere is Coulomb's friction, which the law contains.

@@ -108,9 +108,15 @@ pub struct Friction {
 pub enum Levels {
     /// Over the speed, for positive and for negative slip velocity.
     OverSpeed([Spline; 2]),
+    /// The same over `asinh(v / s)`, `s` a slow speed: their knots are dense about rest.
+    OverLogSpeed([Spline; 2], f64),
     /// Over the position, at rest and at any speed.
     OverPosition(Spline),
 }
+
+/// Slope of a friction level, as a share of the steepest, on which steps need not be short: the integrator divides one by no
+/// more than the inverse.
+const FLAT: f64 = 1.0 / 32.0;
 
 /// Change of the friction level with the speed.
 #[derive(Clone, Copy)]
@@ -129,6 +135,41 @@ impl Change {
         force: 0.0,
         until: f64::INFINITY,
     };
+
+    /// Of levels over `asinh(v / slow)`, whose slope falls with the speed.
+    fn of_dense(levels: &[Spline; 2], slow: f64) -> Self {
+        let mut own = Self {
+            until: 0.0,
+            ..Self::NONE
+        };
+        for level in levels {
+            let knots: Vec<[f64; 2]> = level
+                .knots()
+                .map(|[u, level]| [slow * u.sinh(), level.max(0.0)])
+                .collect();
+            let values = || knots.iter().map(|own| own[1]);
+            let force = values().fold(0.0, f64::max) - values().fold(f64::INFINITY, f64::min);
+            let slopes = knots.windows(2).map(|own| {
+                let [before, after] = [own[0], own[1]];
+                // A rise is stable, as for a transition velocity; a fall is as that of Stribeck friction.
+                let slope = (after[1] - before[1]) / (after[0] - before[0]);
+                let steep = if slope > 0.0 {
+                    0.5 * slope
+                } else {
+                    -2.0 * slope
+                };
+                (steep, after[0])
+            });
+            let steepest = slopes.clone().fold(0.0, |most: f64, own| most.max(own.0));
+            if steepest > 0.0 {
+                let steep = slopes.filter(|own| own.0 > FLAT * steepest);
+                own.until = steep.fold(own.until, |_, own| own.1);
+                own.step = own.step.min(force / steepest);
+                own.force = own.force.max(force);
+            }
+        }
+        own
+    }
 }
 
 impl Friction {
@@ -136,23 +177,27 @@ impl Friction {
     /// those at speed 0.
     pub fn over_speed(levels: [Spline; 2]) -> Self {
         let at_rest = [0, 1].map(|side: usize| levels[side].value(0.0).max(0.0));
+        Self::of_levels(at_rest, Levels::OverSpeed(levels))
+    }
+
+    /// The same with levels over `asinh(v / slow)`. A level that is 0 at rest does not stick.
+    pub fn over_log_speed(levels: [Spline; 2], slow: f64) -> Self {
+        let at_rest = [0, 1].map(|side: usize| levels[side].value(0.0).max(0.0));
+        Self::of_levels(at_rest, Levels::OverLogSpeed(levels, slow))
+    }
+
+    /// Friction with this level over the position, the same in both directions and at all speeds.
+    pub fn over_position(level: Spline) -> Self {
+        Self::of_levels([0.0; 2], Levels::OverPosition(level))
+    }
+
+    fn of_levels(at_rest: [f64; 2], levels: Levels) -> Self {
         Self {
             kinetic: at_rest,
             breakaway: at_rest,
             stribeck_velocity: 1.0,
             transition_velocity: 0.0,
-            levels: Some(Box::new(Levels::OverSpeed(levels))),
-        }
-    }
-
-    /// Friction with this level over the position, the same in both directions and at all speeds.
-    pub fn over_position(level: Spline) -> Self {
-        Self {
-            kinetic: [0.0; 2],
-            breakaway: [0.0; 2],
-            stribeck_velocity: 1.0,
-            transition_velocity: 0.0,
-            levels: Some(Box::new(Levels::OverPosition(level))),
+            levels: Some(Box::new(levels)),
         }
     }
 
@@ -179,6 +224,9 @@ impl Friction {
                 ..Change::NONE
             });
         }
+        if let Some(Levels::OverLogSpeed(levels, slow)) = self.levels.as_deref() {
+            return Change::of_dense(levels, *slow);
+        }
         if self.transition_velocity > 0.0 {
             return Change {
                 // A rise is stable: RK4 is stable in steps up to 2.8 of its time constants.
@@ -204,6 +252,9 @@ impl Friction {
         let (kinetic, breakaway) = (self.kinetic[side], self.breakaway[side]);
         match self.levels.as_deref() {
             Some(Levels::OverSpeed(levels)) => return levels[side].value(speed).max(0.0),
+            Some(Levels::OverLogSpeed(levels, slow)) => {
+                return levels[side].value((speed / slow).asinh()).max(0.0);
+            }
             Some(Levels::OverPosition(level)) => return level.nearest(position).max(0.0),
             None => {}
         }

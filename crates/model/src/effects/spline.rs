@@ -104,6 +104,13 @@ impl Spline {
         1.0 / self.density
     }
 
+    /// The knots: coordinate and ordinate. None of a constant.
+    pub(super) fn knots(&self) -> impl Iterator<Item = [f64; 2]> {
+        let ordinates = self.pieces.iter().skip(1).map(|piece| piece[0]);
+        let at = |(k, ordinate)| [self.from + k as f64 / self.density, ordinate];
+        ordinates.enumerate().map(at)
+    }
+
     /// The largest fall from a knot to the next.
     pub(super) fn steepest_fall(&self) -> f64 {
         let knots = self.pieces.iter().skip(1).map(|piece| piece[0]);
