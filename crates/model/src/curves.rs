@@ -10,7 +10,9 @@ pub use estimate::Estimate;
 pub use nearest::{NamedLaws, Nearest, Sum};
 pub use shape::{Growth, Shape, Trend};
 
-use crate::effects::{Effect, Motion, ParameterRole, Slot, curve, slip_distances, slip_velocities};
+use crate::effects::{
+    AT_REST, Effect, Motion, ParameterRole, Slot, curve, slip_distances, slip_velocities,
+};
 use nalgebra::{DMatrix, DVector};
 
 /// 97.5 % quantile of the normal distribution: the half width of a 95 % band in standard deviations.
@@ -40,9 +42,6 @@ pub struct Curve {
 /// Number of points of a curve: several for each knot.
 const POINTS: usize = 120;
 
-/// A velocity of 0 with a direction, as a share of the fastest.
-const AT_REST: f64 = 1e-9;
-
 /// Step of an ordinate, of size 1, for its derivative.
 const CHANGE: f64 = 0.25;
 
@@ -64,7 +63,10 @@ impl Curve {
         if !known || parameters.len() != effect.parameters.len() || !from.lt(&to) {
             return None;
         }
-        let points = points(slot, (from, to));
+        let points = match slot {
+            Slot::Friction => slip_velocities(parameters, POINTS / 2),
+            _ => points(slot, (from, to)),
+        };
         let values = DVector::from_vec(curve(effect, parameters, at, &points)?);
         let parts = parts(effect, parameters, at, &points)?;
         let covariance = &parts * of_ordinates * parts.transpose();
@@ -113,7 +115,7 @@ pub fn knots(effect: &Effect, parameters: &[f64]) -> Vec<f64> {
     match (effect.slot(), parameters) {
         _ if !effect.is_learned() => Vec::new(),
         (Some(Slot::Hysteresis), _) => slip_distances(parameters).to_vec(),
-        (Some(Slot::Friction), _) => slip_velocities(parameters),
+        (Some(Slot::Friction), _) => slip_velocities(parameters, ordinates(effect) / 2),
         (Some(slot), [.., from, to]) => over(slot, (*from, *to), ordinates(effect)),
         _ => Vec::new(),
     }

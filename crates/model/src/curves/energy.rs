@@ -11,8 +11,13 @@ pub(super) fn dissipated(curve: &Curve) -> Option<Estimate> {
     let count = curve.points.len();
     let weights = match curve.slot {
         Slot::Friction => {
-            let sign = curve.points.iter().map(|x| x.signum() / count as f64);
-            DVector::from_iterator(count, sign)
+            // Each direction has its own points, which may be dense about rest.
+            let at = |k: usize| curve.points[k.min(count - 1)];
+            let same = |k: usize| (k < count / 2) == (k + 1 < count / 2);
+            let way = |k: usize| if same(k) { at(k + 1) - at(k) } else { 0.0 };
+            let width = |k: usize| 0.5 * (way(k) + if k > 0 { way(k - 1) } else { 0.0 });
+            let all = curve.points[count - 1] - curve.points[0];
+            DVector::from_fn(count, |k, _| at(k).signum() * width(k) / all)
         }
         Slot::Damping | Slot::PositionDamping | Slot::DampingDrift | Slot::PositionFriction => {
             DVector::from_element(count, 1.0 / count as f64)

@@ -7,7 +7,7 @@ use super::{Effect, Friction, Law, Parameter, Place, Property, Quantity, Scales,
 /// some thousandth of the fastest speed.
 const SLOW: f64 = 1e-4;
 /// A velocity of 0 with a direction, as a share of the fastest.
-const AT_REST: f64 = 1e-9;
+pub(crate) const AT_REST: f64 = 1e-9;
 
 const LEVEL: Parameter = ordinate(
     Quantity::FORCE,
@@ -75,10 +75,11 @@ fn directions(values: &[f64]) -> ([Vec<f64>; 2], f64, f64) {
     ([backward, forward.to_vec()], from, to)
 }
 
-/// Velocity of each level of a learned friction; those at rest have a direction.
-pub(crate) fn slip_velocities(values: &[f64]) -> Vec<f64> {
-    let ([backward, _], from, to) = directions(values);
-    let (count, slow) = (backward.len(), slow(from, to));
+/// Velocities of a learned friction with these values, so many in each direction, spaced as its levels are; those at rest
+/// have a direction.
+pub(crate) fn slip_velocities(values: &[f64], count: usize) -> Vec<f64> {
+    let (_, from, to) = split(values);
+    let slow = slow(from, to);
     let velocity = |fastest: f64, k: usize| {
         let share = k as f64 / (count - 1) as f64;
         match (k, values.len()) {
