@@ -1,7 +1,8 @@
 //! Learned laws in the place of named ones of the same slot, begun at their curve.
 //!
 //! A learned law that begins at the model as it was given may end in a false minimum: a curve that changes the frequency must
-//! change it by the right amount at once. Named laws that leave little are near the right curve.
+//! change it by the right amount at once. Named laws that leave little are near the right curve. Laws of drive and sensor change
+//! no frequency.
 
 use super::explanation::Explanation;
 use super::law_band::still;
@@ -11,7 +12,7 @@ use super::screen::{Table, candidates};
 use super::search::Search;
 use quell_model::Term;
 use quell_model::curves::knots;
-use quell_model::effects::{Effect, Slot, curve};
+use quell_model::effects::{Effect, Law, Slot, curve};
 use rayon::prelude::*;
 
 impl Search<'_> {
@@ -44,7 +45,11 @@ impl Search<'_> {
             .cloned()
             .partition(is_named);
         let is_static = !learned.happens() && learned.slot() != Some(Slot::Hysteresis);
-        if named.len() < least || !is_static {
+        let outside = matches!(
+            (learned.law)(&learned.neutral()),
+            Law::Drive(_) | Law::Sensor(_)
+        );
+        if named.len() < least || !is_static || outside {
             return Vec::new();
         }
         let mut rest = point.clone();
