@@ -11,7 +11,7 @@ pub use nearest::{NamedLaws, Nearest, Sum};
 pub use shape::{Growth, Shape, Trend};
 
 use crate::effects::{
-    AT_REST, Effect, Motion, ParameterRole, Slot, curve, slip_distances, slip_velocities,
+    Effect, Motion, ParameterRole, Slot, curve, even_velocities, slip_distances, slip_velocities,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -135,17 +135,14 @@ pub fn points(slot: Slot, range: (f64, f64)) -> Vec<f64> {
 /// Points over the range of a law, evenly spaced. A law over the velocity has half of them in each direction, the
 /// innermost at rest; a hysteresis begins at rest.
 fn over(slot: Slot, (from, to): (f64, f64), count: usize) -> Vec<f64> {
-    let even = |from: f64, to: f64, count: usize| {
+    let even = |from: f64| {
         let step = (to - from) / (count - 1) as f64;
-        (0..count).map(move |k| from + step * k as f64)
+        (0..count).map(|k| from + step * k as f64).collect()
     };
     match slot {
-        Slot::Friction => {
-            let backward = even(from, from * AT_REST, count / 2);
-            backward.chain(even(to * AT_REST, to, count / 2)).collect()
-        }
-        Slot::Hysteresis => even(0.0, to, count).collect(),
-        _ => even(from, to, count).collect(),
+        Slot::Friction => even_velocities((from, to), count / 2),
+        Slot::Hysteresis => even(0.0),
+        _ => even(from),
     }
 }
 

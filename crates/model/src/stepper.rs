@@ -27,9 +27,6 @@ const ROUNDING: f64 = 1e-9;
 /// Share of a step by which the end of sticking is passed: a nanosecond in a millisecond.
 const OVERSHOOT: f64 = 1e-6;
 
-/// Most divisions of a step while friction depends on the speed.
-const FINEST: f64 = 32.0;
-
 /// Radians in a step of the vibration on a stiff force: it lasts for less than a radian, so that the step may be longer than
 /// that of a mode.
 const BRISTLES: f64 = 2.0 * RADIANS_A_STEP;
@@ -197,7 +194,7 @@ impl<'a> Stepper<'a> {
         mut start: Instant,
         trace: &mut Trace,
     ) {
-        let (shortest, mut events) = ((to - span.from) / FINEST, 0);
+        let (shortest, mut events) = ((to - span.from) / Change::FINEST, 0);
         while to > span.from {
             let longest = self.longest(&start, to - span.from);
             let h = self.on_bristles(&start, longest).max(shortest);
@@ -398,7 +395,7 @@ fn falls(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<Fall>; 3] 
             continue;
         }
         let curve = law.levels.is_some();
-        if !curve && step < drop * h / FINEST {
+        if !curve && step < drop * h / Change::FINEST {
             if law.transition_velocity > 0.0 {
                 (law.transition_velocity, law.breakaway) = (0.0, law.kinetic);
             }

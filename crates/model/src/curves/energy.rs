@@ -12,12 +12,15 @@ pub(super) fn dissipated(curve: &Curve) -> Option<Estimate> {
     let weights = match curve.slot {
         Slot::Friction => {
             // Each direction has its own points, which may be dense about rest.
-            let at = |k: usize| curve.points[k.min(count - 1)];
-            let same = |k: usize| (k < count / 2) == (k + 1 < count / 2);
-            let way = |k: usize| if same(k) { at(k + 1) - at(k) } else { 0.0 };
-            let width = |k: usize| 0.5 * (way(k) + if k > 0 { way(k - 1) } else { 0.0 });
-            let all = curve.points[count - 1] - curve.points[0];
-            DVector::from_fn(count, |k, _| at(k).signum() * width(k) / all)
+            let points = &curve.points;
+            let range = points[count - 1] - points[0];
+            let mut weights = DVector::zeros(count);
+            for k in (1..count).filter(|k| *k != count / 2) {
+                let half = 0.5 * (points[k] - points[k - 1]) / range;
+                weights[k - 1] += half * points[k - 1].signum();
+                weights[k] += half * points[k].signum();
+            }
+            weights
         }
         Slot::Damping | Slot::PositionDamping | Slot::DampingDrift | Slot::PositionFriction => {
             DVector::from_element(count, 1.0 / count as f64)

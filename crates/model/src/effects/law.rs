@@ -114,10 +114,6 @@ pub enum Levels {
     OverPosition(Spline),
 }
 
-/// Slope of a friction level, as a share of the steepest, on which steps need not be short: the integrator divides one by no
-/// more than the inverse.
-const FLAT: f64 = 1.0 / 32.0;
-
 /// Change of the friction level with the speed.
 #[derive(Clone, Copy)]
 pub(crate) struct Change {
@@ -130,6 +126,9 @@ pub(crate) struct Change {
 }
 
 impl Change {
+    /// Most divisions of a step while friction depends on the speed.
+    pub(crate) const FINEST: f64 = 32.0;
+
     const NONE: Self = Self {
         step: f64::INFINITY,
         force: 0.0,
@@ -162,8 +161,9 @@ impl Change {
             });
             let steepest = slopes.clone().fold(0.0, |most: f64, own| most.max(own.0));
             if steepest > 0.0 {
-                let steep = slopes.filter(|own| own.0 > FLAT * steepest);
-                own.until = steep.fold(own.until, |_, own| own.1);
+                // What is flatter needs no division where the steepest has the most.
+                let steep = slopes.filter(|own| own.0 * Self::FINEST > steepest);
+                own.until = steep.fold(own.until, |until, own| until.max(own.1));
                 own.step = own.step.min(force / steepest);
                 own.force = own.force.max(force);
             }

@@ -7,7 +7,7 @@ use super::{Effect, Friction, Law, Parameter, Place, Property, Quantity, Scales,
 /// some thousandth of the fastest speed.
 const SLOW: f64 = 1e-4;
 /// A velocity of 0 with a direction, as a share of the fastest.
-pub(crate) const AT_REST: f64 = 1e-9;
+const AT_REST: f64 = 1e-9;
 
 const LEVEL: Parameter = ordinate(
     Quantity::FORCE,
@@ -75,23 +75,32 @@ fn directions(values: &[f64]) -> ([Vec<f64>; 2], f64, f64) {
     ([backward, forward.to_vec()], from, to)
 }
 
-/// Velocities of a learned friction with these values, so many in each direction, spaced as its levels are; those at rest
-/// have a direction.
+/// Velocities of a learned friction with these values, so many in each direction, spaced as its levels are.
 pub(crate) fn slip_velocities(values: &[f64], count: usize) -> Vec<f64> {
     let (_, from, to) = split(values);
     let slow = slow(from, to);
-    let velocity = |fastest: f64, k: usize| {
-        let share = k as f64 / (count - 1) as f64;
-        match (k, values.len()) {
-            (0, _) => AT_REST * fastest,
-            (_, FINER) => fastest.signum() * slow * (share * (fastest.abs() / slow).asinh()).sinh(),
-            _ => share * fastest,
-        }
+    match values.len() {
+        FINER => velocities((from, to), count, |fastest, share| {
+            fastest.signum() * slow * (share * (fastest.abs() / slow).asinh()).sinh()
+        }),
+        _ => even_velocities((from, to), count),
+    }
+}
+
+/// So many equally spaced velocities in each direction.
+pub(crate) fn even_velocities(range: (f64, f64), count: usize) -> Vec<f64> {
+    velocities(range, count, |fastest, share| share * fastest)
+}
+
+/// So many velocities in each direction, given by the fastest and the share of their number; those at rest have a direction.
+fn velocities((from, to): (f64, f64), count: usize, spaced: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let velocity = |fastest: f64, k: usize| match k {
+        0 => AT_REST * fastest,
+        _ => spaced(fastest, k as f64 / (count - 1) as f64),
     };
     let backward = (0..count).rev().map(|k| velocity(from, k));
-    backward
-        .chain((0..count).map(|k| velocity(to, k)))
-        .collect()
+    let forward = (0..count).map(|k| velocity(to, k));
+    backward.chain(forward).collect()
 }
 
 /// The neutral laws over the velocity of each place.

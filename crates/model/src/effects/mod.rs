@@ -91,7 +91,7 @@ pub use law::{
     STATES, Sensor,
 };
 pub use learned::KNOTS;
-pub(crate) use learned_friction::{AT_REST, slip_velocities};
+pub(crate) use learned_friction::{even_velocities, slip_velocities};
 pub(crate) use levelling::levelling;
 pub use likeness::{LIKENESSES, Likeness};
 pub(crate) use maxwell_slip::slip_distances;
