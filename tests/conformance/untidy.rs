@@ -1,6 +1,6 @@
 //! Laws whose shape the catalogue does not have.
 
-use crate::machines::{PERIOD, position, stamps, two_angles};
+use crate::machines::{position, two_angles};
 use quell::diagnosis::{Diagnosis, Options, diagnose};
 use quell::model::Model;
 use quell::recording::Role;
@@ -9,8 +9,12 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 
+/// Sampling period, s.
+const PERIOD: f64 = 0.006;
+/// Samples of a recording.
+const SAMPLES: u32 = 2000;
 /// Steps between two samples.
-const STEPS: u32 = 80;
+const STEPS: u32 = 120;
 /// Natural frequency of the closed gap, rad/s.
 const FREQUENCY: f64 = 9.6 * TAU;
 const DAMPING_RATIO: f64 = 0.045;
@@ -34,13 +38,19 @@ fn behind_gap(deformation: f64) -> f64 {
 /// Step of the integration, s.
 const STEP: f64 = PERIOD / STEPS as f64;
 
+/// Position of the motor side: the moves of the other tests, then the same backwards, so that what is learned in
+/// some of them can be judged in others.
+fn moved(t: f64) -> f64 {
+    position(t) - position(t - 6.0)
+}
+
 /// Motor side and link of a joint with a spring, over the deformation, and a friction, over the link's speed, each over the
 /// stiffness, by Euler's symplectic rule.
 fn motion(spring: impl Fn(f64) -> f64, mut friction: impl FnMut(f64) -> f64) -> [Vec<f64>; 2] {
     let [mut y, mut v] = [0.0_f64; 2];
     let mut sides = [Vec::new(), Vec::new()];
-    for sample in 0..stamps(PERIOD).len() as u32 {
-        let at = |step: u32| position(f64::from(sample * STEPS + step) * STEP);
+    for sample in 0..SAMPLES {
+        let at = |step: u32| moved(f64::from(sample * STEPS + step) * STEP);
         sides[0].push(at(0));
         sides[1].push(y);
         for step in 0..STEPS {
@@ -62,7 +72,10 @@ fn said([motor, link]: [Vec<f64>; 2]) -> Diagnosis {
     };
     let link = link.into_iter().map(&mut noisy).collect();
     let angles = [(Role::MotorPosition, motor), (Role::LinkPosition, link)];
-    let recording = two_angles("untidy", &stamps(PERIOD), angles);
+    let stamps: Vec<f64> = (0..SAMPLES)
+        .map(|sample| f64::from(sample) * PERIOD)
+        .collect();
+    let recording = two_angles("untidy", &stamps, angles);
     let model = "kind = \"flexible_joint\"\nnatural_frequency_hz = 9.2\ndamping_ratio = 0.033\n";
     let model = Model::from_toml(model, "model.toml").unwrap();
     let outcome = diagnose(&model, &[recording], &[], &Options::default(), &|_, _| {});
