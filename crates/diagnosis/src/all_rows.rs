@@ -6,9 +6,8 @@
 //! is that of the best of these places.
 
 use super::explanation::Explanation;
+use super::final_fit::AllRows;
 use super::pool::Pool;
-use super::problem::Rows;
-use super::projector::Projector;
 use super::search::Search;
 use super::split::HeldOut;
 use super::thresholds::{BEAM, LONG, least_credible};
@@ -63,27 +62,8 @@ impl Search<'_> {
     }
 
     fn fitted_to_all_rows(&self, own: &Explanation) -> Explanation {
-        let mut whole = self.problem.clone();
-        for (rows, held_out) in whole.rows.iter_mut().zip(&self.judge.data.held_out) {
-            let outputs = rows.iter_mut().zip(held_out);
-            outputs.for_each(|(rows, held_out)| *rows = joined(rows, held_out));
-        }
-        let projector = Projector::new(&whole);
-        let all = whole.fit(&own.fitted.point, &projector, LONG);
+        let whole = AllRows::of(self.problem);
+        let all = whole.problem.fit(&own.fitted.point, &whole.projector, LONG);
         self.refitted(&all.point)
     }
-}
-
-/// Ranges of both, in order, adjacent ones as one.
-fn joined(fitted: &Rows, held_out: &Rows) -> Rows {
-    let mut all: Rows = fitted.iter().chain(held_out).cloned().collect();
-    all.sort_by_key(|range| range.start);
-    let mut joined = Rows::new();
-    for range in all {
-        match joined.last_mut().filter(|last| last.end == range.start) {
-            Some(last) => last.end = range.end,
-            None => joined.push(range),
-        }
-    }
-    joined
 }

@@ -30,7 +30,6 @@ use super::search::Search;
 use super::stop::Stop;
 use nalgebra::{DMatrix, DVector};
 use output_noise::OutputNoise;
-use quell_model::effects::ParameterRole;
 use quell_model::{Experiment, InputError, Value};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -58,11 +57,11 @@ pub struct Scatter {
 
 impl Scatter {
     /// 95 % confidence interval of a parameter of an effect or a key of the model, in its own unit, within its bounds. A
-    /// parameter that is a range was set, not fitted: both ends are its value.
+    /// parameter that was chosen, not fitted, as a range or a side, has its value at both ends.
     pub fn interval(&self, problem: &Problem, point: &Point, global: Global) -> [f64; 2] {
         let value = problem.get(point, global);
         if let Global::Parameter(term, index) = global
-            && point.terms[term].effect.parameters[index].role == ParameterRole::Range
+            && !point.terms[term].effect.parameters[index].role.is_fitted()
         {
             return [value; 2];
         }
@@ -92,11 +91,10 @@ impl Scatter {
     }
 }
 
-/// The scatter of an explanation's unknowns; the same for the same seed, on any number of threads.
+/// The scatter of the unknowns of an explanation in its final fit; the same for the same seed, on any number of threads.
 ///
 /// Replicates that are not all drawn before the search was to end are not used.
-pub fn bootstrap(search: &Search, found: &Found, options: &Options) -> Scatter {
-    let best = &found.best;
+pub fn bootstrap(search: &Search, best: &Explanation, found: &Found, options: &Options) -> Scatter {
     let world = World::new(search, best, &options.enough);
     let shared = world.linear.globals.len();
     let drawn = world.drawn(options.seed);

@@ -8,6 +8,7 @@ use super::document::{
 };
 use super::draw::shown;
 use super::explanation::Explanation;
+use super::final_fit::{Final, with_final_fit};
 use super::found::Found;
 use super::law_band::law_curve;
 use super::locate::Located;
@@ -35,6 +36,8 @@ pub struct Concluded {
     pub scale: Option<TrackerScale>,
     /// The model with the findings in it.
     pub better: Model,
+    /// What is told, in its final fit.
+    pub point: Point,
 }
 
 /// All conclusions from a search.
@@ -42,21 +45,37 @@ pub fn conclude(
     search: &Search,
     found: &Found,
     located: &Located,
+    told: (Recordings, Vec<String>),
+    options: &Options,
+) -> Concluded {
+    with_final_fit(search, found, |whole, last| {
+        concluded((search, found), (whole, last), located, told, options)
+    })
+}
+
+/// The same with the search over the rows of the final fit, and with what is fitted to them.
+fn concluded(
+    (search, found): (&Search, &Found),
+    (whole, last): (&Search, &Final),
+    located: &Located,
     (recordings, mut remarks): (Recordings, Vec<String>),
     options: &Options,
 ) -> Concluded {
     let verdict = verdict(search, found, located);
-    // Where no effect is told, the best explanation is the refitted model.
-    let scatter = bootstrap(search, found, options);
+    let scatter = bootstrap(whole, &last.best, found, options);
     if !scatter.is_drawn {
         remarks.push(UNDRAWN.into());
     }
-    let told = &reported(verdict, found).fitted.point;
-    let machine = search.machine(told);
-    let fit = fit(search, found, (told, &machine));
+    let told = reported(verdict, [&last.baseline, &last.best]);
+    let machine = whole.machine(&told.fitted.point);
+    let fit = fit(
+        search,
+        found,
+        reported(verdict, [&found.baseline, &found.best]),
+    );
     let findings = match verdict {
         Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => Vec::new(),
-        _ => findings(search, found, &scatter, &fit.after),
+        _ => findings((search, found), (whole, &last.best), &scatter, &fit.after),
     };
     let mut diagnosis = Diagnosis {
         verdict,
@@ -67,8 +86,8 @@ pub fn conclude(
             _ => located.location.clone(),
         },
         fit,
-        nuisances: nuisances(search, reported(verdict, found)),
-        nuisances_ci95: intervals_of_keys(search, &found.best, &scatter),
+        nuisances: nuisances(whole, told),
+        nuisances_ci95: intervals_of_keys(whole, &last.best, &scatter),
         next_move: None,
         candidates: found
             .ranked
@@ -80,7 +99,7 @@ pub fn conclude(
     };
     let scale = super::tracker_scale::tell(search, &mut diagnosis);
     let given = search.judge.model;
-    let points = [&found.baseline.fitted.point, &machine];
+    let points = [&last.baseline.fitted.point, &machine];
     let [refitted, better] = points.map(|point| better_model(given, point));
     let better = match &scale {
         Some(scale) => scale.corrected(better),
@@ -117,6 +136,7 @@ pub fn conclude(
         diagnosis,
         scale,
         better,
+        point: told.fitted.point.clone(),
     }
 }
 
@@ -136,21 +156,23 @@ fn is_seen_alike(search: &Search, fit: &Fit) -> bool {
         && experiments().all(|own| own.payload == problem.payloads[0])
 }
 
-fn fit(search: &Search, found: &Found, (told, machine): (&Point, &Point)) -> Fit {
+fn fit(search: &Search, found: &Found, told: &Explanation) -> Fit {
     let of = |point: &Point| quality(search, point);
+    let told = &told.fitted.point;
+    let machine = search.machine(told);
     Fit {
         before: of(&found.baseline.fitted.point),
         after: of(told),
-        model_alone: (machine.terms.len() < told.terms.len()).then(|| of(machine)),
+        model_alone: (machine.terms.len() < told.terms.len()).then(|| of(&machine)),
         ..level(search.problem)
     }
 }
 
-/// The explanation that is reported: the baseline unless the verdict supports the best one.
-pub fn reported(verdict: Verdict, found: &Found) -> &Explanation {
+/// The one that is reported of the refitted model and the best explanation: the former unless the verdict supports the latter.
+pub fn reported<'a>(verdict: Verdict, [baseline, best]: [&'a Explanation; 2]) -> &'a Explanation {
     match verdict {
-        Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => &found.baseline,
-        _ => &found.best,
+        Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => baseline,
+        _ => best,
     }
 }
 
@@ -199,13 +221,18 @@ fn candidate(
 }
 
 /// The effects of the best explanation, which leaves `left`, in falling order of the evidence that is lost without them.
-fn findings(search: &Search, found: &Found, scatter: &Scatter, left: &Quality) -> Vec<Finding> {
+fn findings(
+    (search, found): (&Search, &Found),
+    (whole, last): (&Search, &Explanation),
+    scatter: &Scatter,
+    left: &Quality,
+) -> Vec<Finding> {
     let best = &found.best;
     let told = |effect| {
         let gain = found.without(effect).train - best.train;
-        let parameters = parameters(search, best, effect, scatter);
+        let parameters = parameters(whole, last, effect, scatter);
         let mut finding = finding(search, found, effect, parameters, left);
-        finding.curve = law_curve(search.problem, &best.fitted.point, effect, scatter);
+        finding.curve = law_curve(whole.problem, &last.fitted.point, effect, scatter);
         (gain, finding)
     };
     let mut findings: Vec<(f64, Finding)> = best.effects().into_iter().map(told).collect();

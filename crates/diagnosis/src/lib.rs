@@ -31,6 +31,7 @@ mod explanation;
 mod extend;
 mod extrapolation;
 mod figure;
+mod final_fit;
 mod fit;
 mod follows_motion;
 mod found;

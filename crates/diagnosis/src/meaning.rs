@@ -22,7 +22,7 @@ impl Problem<'_> {
     /// law is at work.
     ///
     /// The bounds of a parameter are those of the motion: a gap is no wider than the travel, a period no longer, a
-    /// frequency within the band. The ends of a share or of a side are laws of their own, and a phase has no ends.
+    /// frequency within the band. The ends of a share are laws of their own, and a phase has no ends.
     /// An event at the first instant is nothing but another start of the motion. A shape that may be anything
     /// within its range says nothing at its end either.
     pub fn at_end(&self, fitted: &Fitted, evidence: &Evidence) -> Option<(usize, usize)> {
@@ -135,8 +135,7 @@ fn is_meaningless(parameter: &Parameter, bound: f64, contains: bool) -> bool {
 
 /// Whether the ends of a parameter's range are meaningless values.
 fn has_ends(role: ParameterRole) -> bool {
-    use ParameterRole::{Ordinate, Phase, Range};
-    !matches!(role, Phase | Ordinate | Range)
+    !matches!(role, ParameterRole::Phase | ParameterRole::Ordinate) && role.is_fitted()
 }
 
 /// The unknowns that are parameters of added effects: index of the unknown, term and parameter.

@@ -5,7 +5,7 @@ use super::point::{Global, Local, Point};
 use super::stop::Stop;
 use super::whitening::Whitening;
 use nalgebra::{DMatrix, DVector};
-use quell_model::effects::{Catalogue, Law, ParameterRole, Scales};
+use quell_model::effects::{Catalogue, Law, Scales};
 use quell_model::{Departure, Experiment, Kind, Model, StartComponent, Term, Value};
 use std::ops::Range;
 use std::sync::Arc;
@@ -103,8 +103,8 @@ impl Problem<'_> {
         let parameters = (0..point.terms.len()).flat_map(|term| {
             let Term { effect, values, .. } = &point.terms[term];
             let free = move |parameter: &usize| {
-                let is_range = effect.parameters[*parameter].role == ParameterRole::Range;
-                if is_range || effect.is_without(*parameter, values[*parameter]) {
+                let is_fitted = effect.parameters[*parameter].role.is_fitted();
+                if !is_fitted || effect.is_without(*parameter, values[*parameter]) {
                     return false;
                 }
                 let given = self

@@ -155,6 +155,7 @@ fn investigate(
         mut diagnosis,
         scale,
         better,
+        point: last,
     } = conclude(&search, &found, &located, told, options);
     if let Some(untold) = untold {
         untold.said(&mut diagnosis);
@@ -173,18 +174,18 @@ fn investigate(
         None
     });
     diagnosis.next_move = next.or_else(|| scale.as_ref()?.next_move());
-    let told = reported(verdict, &found);
+    let told = reported(verdict, [&found.baseline, &found.best]);
     let points = found.points();
     let traces = draw(&search, &found.baseline, told, &located);
     let point = &told.fitted.point;
     let believable = told.terms() > 0 && problem.at_their_ends(point).next().is_none();
-    let terms = point.terms.iter().cloned();
+    let terms = last.terms.iter().cloned();
     let outcome = Outcome {
         happened: terms.filter(|term| term.recording.is_some()).collect(),
         model: better,
         diagnosis,
         traces,
-        units: Some(units(&problem, point)),
+        units: Some(units(&problem, &last)),
     };
     Ok(Looked {
         outcome,

@@ -42,7 +42,7 @@ impl Search<'_> {
     /// first: before their structures are complete, learned laws would outrank them.
     pub fn run(&self, pool: &mut Pool) {
         loop {
-            while self.grow(pool, 1) {}
+            while self.fit_to_all_rows(pool) || self.grow(pool, 1) {}
             if self.exchange(pool) {
                 continue;
             }
@@ -52,7 +52,6 @@ impl Search<'_> {
                 || self.name(pool)
                 || self.exchange(pool)
                 || self.look_ahead(pool)
-                || self.fit_to_all_rows(pool)
                 || self.exchange_credible(pool)
                 || self.join(pool);
             if !is_better {

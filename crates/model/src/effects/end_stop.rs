@@ -108,7 +108,7 @@ pub const END_STOP: Effect = Effect {
         },
         Parameter {
             name: "side",
-            role: ParameterRole::Shape,
+            role: ParameterRole::Side,
             quantity: Quantity::NUMBER,
             bounds: |_| (-1.0, 1.0),
             neutral: 1.0,

@@ -166,6 +166,15 @@ pub enum ParameterRole {
     /// End of the range of a learned law's knots: the range that was visited when it was learned. It is never
     /// fitted.
     Range,
+    /// The side on which it acts: the sign of the value. It is chosen, never fitted.
+    Side,
+}
+
+impl ParameterRole {
+    /// Whether a fit varies it.
+    pub fn is_fitted(self) -> bool {
+        !matches!(self, Self::Range | Self::Side)
+    }
 }
 
 /// One number that describes an effect.
