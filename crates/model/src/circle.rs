@@ -7,7 +7,7 @@ use crate::effects::levelling;
 use nalgebra::Vector2;
 use quell_signal::golden_section;
 use rests::Rests;
-use sums::{Blocks, Sums};
+use sums::{Blocks, Sums, UNKNOWNS};
 
 /// Relative uncertainty of a lever arm that is not an exact number: a millimetre in a metre.
 const KNOWN_TO: f64 = 1e-3;
@@ -21,6 +21,8 @@ const SETTLING: [f64; 6] = [0.0, 1.25, 2.5, 5.0, 10.0, 20.0];
 const SECTIONS: usize = 15;
 /// Unknowns of such a drift: two of its direction, and its rate.
 const DRIFT: usize = 3;
+/// Unknowns of a radius that changes with the speed: how much, and how late.
+const SHRINKAGE: usize = 2;
 
 /// A radius, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +39,10 @@ pub struct Radius {
 
 /// The circle of a tip about its joint: `r = R + c_x cos(angle) + c_y sin(angle) + noise`.
 ///
+/// A tracker that filters its coordinates, or exposes them for some time, sees a smaller circle in motion: a lag `T` has the gain
+/// `|1 / (1 + i T w)| = 1 - (T w)^2 / 2` at a speed `w`, an exposure over `T` the gain `1 - (T w)^2 / 24`, each somewhat late. Where
+/// the radial coordinate shows that, multiples of `w^2` and of its rate are free. Else the centre of the frame would be off.
+///
 /// The frame of a tracker may drift, as in `sensor_drift`: its centre is `c + d (1 - exp(-s t)) / s` then. Where the radial
 /// coordinate shows that, `d` is free, and `c` is the centre at the start.
 pub(super) struct Circle {
@@ -47,40 +53,56 @@ pub(super) struct Circle {
 }
 
 impl Circle {
-    /// A circle from the tip's angles (rad) and radii (m) about the assumed centre at increasing times (s), from coordinates
-    /// that were rounded to `step` (m), 0 for none; `None` where the arc is too short.
+    /// A circle from the tip's angles (rad) and radii (m) about the assumed centre and the motor side's speeds (rad/s) and
+    /// accelerations (rad/s^2) at increasing times (s), from coordinates that were rounded to `step` (m), 0 for none; `None`
+    /// where the arc is too short.
     pub(super) fn new(
         time: &[f64],
         [angle, radius]: [&[f64]; 2],
+        [speed, acceleration]: [&[f64]; 2],
         arm: f64,
         step: f64,
     ) -> Option<Self> {
         let (start, duration) = (*time.first()?, time.last()? - time.first()?);
         let off: Vec<[f64; 1]> = radius.iter().map(|radius| [(radius - arm) / arm]).collect();
-        let circle = angle.iter().map(|angle| [1.0, angle.cos(), angle.sin()]);
-        let circle: Vec<[f64; 3]> = circle.collect();
-        let all = vec![1.0; off.len()];
-        let level = Blocks::new(&circle, &off, &all).sums()?.variance()?.sqrt();
-        let rests = Rests::new(angle, step / arm, level);
-        let (off, worth) = (rests.whitened(off), rests.worth(all));
-        let still = Blocks::new(&rests.whitened(circle.clone()), &off, &worth);
-        let drifting = |settling: f64| {
-            let row = |(time, own): (&f64, &[f64; 3])| {
-                let ([one, cosine, sine], gone) = (*own, levelling(time - start, settling));
-                [one, cosine, sine, gone * cosine, gone * sine]
+        let rows = |settling: Option<f64>, shrinks: bool| -> Vec<[f64; UNKNOWNS]> {
+            let row = |k: usize| {
+                let (sine, cosine) = angle[k].sin_cos();
+                let gone = settling.map_or(0.0, |own| levelling(time[k] - start, own));
+                let fast = if shrinks { speed[k] } else { 0.0 };
+                let shrink = [fast * fast, 2.0 * fast * acceleration[k]];
+                [
+                    1.0,
+                    cosine,
+                    sine,
+                    gone * cosine,
+                    gone * sine,
+                    shrink[0],
+                    shrink[1],
+                ]
             };
-            let rows = time.iter().zip(&circle).map(row).collect();
-            Blocks::new(&rests.whitened(rows), &off, &worth)
+            (0..angle.len()).map(row).collect()
         };
-        let least = |settling: f64| {
-            let own = drifting(settling)
-                .sums()
-                .and_then(|own| own.criterion(DRIFT));
-            own.unwrap_or(f64::INFINITY)
+        let all = vec![1.0; off.len()];
+        let level = Blocks::new(&rows(None, false), &off, &all);
+        let rests = Rests::new(angle, step / arm, level.sums()?.variance()?.sqrt());
+        let (off, worth) = (rests.whitened(off), rests.worth(all));
+        let blocks = |settling, shrinks| {
+            let rows = rests.whitened(rows(settling, shrinks));
+            Blocks::new(&rows, &off, &worth)
         };
-        let drift = levelled(duration, least);
-        let (sums, left_out) = match drift.1 < still.sums()?.criterion(0)? {
-            true => drifting(drift.0).told()?,
+        let criterion = |own: &Blocks, more| {
+            let told = own.sums().and_then(|own| own.criterion(more));
+            told.unwrap_or(f64::INFINITY)
+        };
+        let [round, shrunk] = [false, true].map(|shrinks| blocks(None, shrinks));
+        let shrinks = criterion(&shrunk, SHRINKAGE) < criterion(&round, 0);
+        let still = if shrinks { shrunk } else { round };
+        let drift = levelled(duration, |settling| {
+            criterion(&blocks(Some(settling), shrinks), DRIFT)
+        });
+        let (sums, left_out) = match drift.1 < criterion(&still, 0) {
+            true => blocks(Some(drift.0), shrinks).told()?,
             false => still.told()?,
         };
         let (deviation, freedom) = jackknife(&left_out);
@@ -174,6 +196,7 @@ mod tests {
     use rand::{Rng, SeedableRng, rngs::StdRng};
     use rand_distr::StandardNormal;
     use statrs::distribution::{ContinuousCDF, StudentsT};
+    use std::f64::consts::PI;
 
     const NOISE: f64 = 1e-5;
 
@@ -191,11 +214,65 @@ mod tests {
             1.0 + at(0) * angle.cos() + at(1) * angle.sin() + NOISE * noise
         });
         let radius: Vec<f64> = radius.collect();
-        let rows = Circle::new(&time, [&angle, &radius], 1.0, 0.0)
-            .unwrap()
-            .witness();
-        let off = |k: usize| rows[k].1 - rows[k].0[1] * centre[0] - rows[k].0[2] * centre[1];
-        [off(0), off(1)]
+        let still = vec![0.0; time.len()];
+        let own = Circle::new(&time, [&angle, &radius], [&still; 2], 1.0, 0.0).unwrap();
+        off_centre(&own, centre)
+    }
+
+    /// How many deviations the rows of the witness are off for a centre.
+    fn off_centre(own: &Circle, [x, y]: [f64; 2]) -> [f64; 2] {
+        let off = own.witness().into_iter();
+        let off: Vec<f64> = off
+            .map(|(row, value)| value - row[1] * x - row[2] * y)
+            .collect();
+        [off[0], off[1]]
+    }
+
+    /// A tracker whose coordinates lag sees a smaller circle while the tip is fast. Its centre is where it is none the less, as
+    /// is the radius at rest. Without the square of the speed the mean is 265.
+    #[test]
+    fn the_centre_that_a_lagging_tracker_sees_is_where_it_is() {
+        let (lag, step) = (0.01, 2e-3);
+        // Moves and rests of a second each.
+        let at = |t: f64| {
+            let moved = (t % 2.0).clamp(0.0, 1.0);
+            0.6 * (t.max(0.0) / 2.0).floor() + 0.3 * (1.0 - (PI * moved).cos())
+        };
+        let time: Vec<f64> = (0..4000).map(|k| f64::from(k) * step).collect();
+        // As the clocks are registered, by the lag.
+        let seen = |t: f64, back: f64| at(t - lag + back * step);
+        let speed = time
+            .iter()
+            .map(|&t| (seen(t, 1.0) - seen(t, -1.0)) / (2.0 * step));
+        let speed: Vec<f64> = speed.collect();
+        let bend = |t: f64| seen(t, 1.0) - 2.0 * seen(t, 0.0) + seen(t, -1.0);
+        let acceleration: Vec<f64> = time.iter().map(|&t| bend(t) / (step * step)).collect();
+        let mut random = StdRng::seed_from_u64(5);
+        let mut squares = 0.0;
+        for _ in 0..40 {
+            let centre = [0, 1].map(|_| 1e-4 * random.sample::<f64, _>(StandardNormal));
+            let [mut x, mut y] = [1.0, 0.0];
+            let (mut angle, mut radius) = (Vec::new(), Vec::new());
+            for t in &time {
+                for part in 1..=20 {
+                    let there = at(t - step + step * f64::from(part) / 20.0);
+                    x += step / 20.0 / lag * (there.cos() - x);
+                    y += step / 20.0 / lag * (there.sin() - y);
+                }
+                let [x, y] = [x + centre[0], y + centre[1]];
+                angle.push(y.atan2(x));
+                radius.push(x.hypot(y) + NOISE * random.sample::<f64, _>(StandardNormal));
+            }
+            let motion = [&speed[..], &acceleration];
+            let own = Circle::new(&time, [&angle, &radius], motion, 1.0, 0.0).unwrap();
+            squares += off_centre(&own, centre)
+                .map(|off| off * off)
+                .iter()
+                .sum::<f64>();
+            assert!((own.radius.seen - 1.0).abs() < 6.0 * own.radius.std);
+        }
+        let mean = squares / 80.0;
+        assert!((0.5..2.0).contains(&mean), "{mean}");
     }
 
     /// Whitened errors of the centre are about standard normal whether the frame is still or drifts. They leave out how well the
@@ -233,7 +310,8 @@ mod tests {
                 });
                 let (angle, radius): (Vec<f64>, Vec<f64>) =
                     tip.map(|[x, y]| (y.atan2(x), y.hypot(x))).unzip();
-                let found = Circle::new(&time, [&angle, &radius], 1.0, step).unwrap();
+                let still = vec![0.0; time.len()];
+                let found = Circle::new(&time, [&angle, &radius], [&still; 2], 1.0, step).unwrap();
                 found
                     .witness()
                     .iter()
@@ -259,7 +337,8 @@ mod tests {
                 1.0 + 2e-4 * angle.cos() - 3e-4 * angle.sin() + NOISE * noise
             });
             let radius: Vec<f64> = radius.collect();
-            let found = Circle::new(&time, [&angle, &radius], 1.0, 0.0)
+            let still = vec![0.0; time.len()];
+            let found = Circle::new(&time, [&angle, &radius], [&still; 2], 1.0, 0.0)
                 .unwrap()
                 .radius;
             assert!((2.0..10.0).contains(&found.freedom), "{found:?}");

@@ -130,7 +130,14 @@ fn tip(
     let turn = ((motor.value(experiment.input_time[0]) - angle[0]) / TAU).round() * TAU;
     angle.iter_mut().for_each(|a| *a += turn);
     let step = coordinate_step(&channel.columns);
-    let circle = Circle::new(&channel.time, [&angle, &radius], arm, step.unwrap_or(0.0));
+    let moved = channel.time.iter();
+    let (first, last) = motor.span();
+    let moved = moved.map(|time| (time - registration.clock.offset).clamp(first, last));
+    let motion = moved.map(|time| (motor.derivative(time), motor.second_derivative(time)));
+    let (speed, acceleration): (Vec<f64>, Vec<f64>) = motion.unzip();
+    let arc = [&angle[..], &radius];
+    let motion = [&speed[..], &acceleration];
+    let circle = Circle::new(&channel.time, arc, motion, arm, step.unwrap_or(0.0));
     Ok(Output {
         role: Role::LinkPosition,
         channel: Role::TipPosition,

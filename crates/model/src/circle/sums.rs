@@ -5,12 +5,15 @@ use nalgebra::{SMatrix, SVector, Vector3};
 /// Blocks of time for the radius' standard deviation.
 const BLOCKS: usize = 20;
 
-/// Normal equations of a circle in blocks of time, its radius in units of the lever arm.
-pub struct Blocks<const N: usize>(Vec<Sums<N>>);
+/// Unknowns of a circle: three of its own, then those that are eliminated.
+pub const UNKNOWNS: usize = 7;
 
-impl<const N: usize> Blocks<N> {
-    /// Of rows and values, each of which is worth so many independent ones.
-    pub fn new(rows: &[[f64; N]], values: &[[f64; 1]], worth: &[f64]) -> Self {
+/// Normal equations of a circle in blocks of time, its radius in units of the lever arm.
+pub struct Blocks(Vec<Sums<UNKNOWNS>>);
+
+impl Blocks {
+    /// Of rows and values, each of which is worth so many independent ones. An unknown whose column is 0 throughout is none.
+    pub fn new(rows: &[[f64; UNKNOWNS]], values: &[[f64; 1]], worth: &[f64]) -> Self {
         let mut blocks = vec![Sums::default(); BLOCKS];
         for (k, (row, [value])) in rows.iter().zip(values).enumerate() {
             blocks[k * BLOCKS / values.len()].add((*row).into(), *value, worth[k]);
@@ -18,7 +21,7 @@ impl<const N: usize> Blocks<N> {
         Self(blocks)
     }
 
-    fn all(&self) -> Sums<N> {
+    fn all(&self) -> Sums<UNKNOWNS> {
         let first = Sums::default();
         self.0.iter().fold(first, |all, one| all.and(one, 1.0))
     }
@@ -84,7 +87,8 @@ impl<const N: usize> Sums<N> {
     /// The normal equations of the first three unknowns, the others eliminated.
     fn eliminated(&self) -> Option<Sums<3>> {
         let (mut normal, mut right, mut square) = (self.normal, self.right, self.square);
-        for last in (3..N).rev() {
+        let is_free = |unknown: &usize| self.normal[(*unknown, *unknown)] > 0.0;
+        for last in (3..N).rev().filter(is_free) {
             let pivot = normal[(last, last)];
             if pivot <= f64::EPSILON * self.normal[(last, last)] {
                 return None;
