@@ -48,7 +48,7 @@ pub fn conclude(
     told: (Recordings, Vec<String>),
     options: &Options,
 ) -> Concluded {
-    with_final_fit(search, found, |whole, last| {
+    with_final_fit(search, found, &options.enough, |whole, last| {
         concluded((search, found), (whole, last), located, told, options)
     })
 }
@@ -169,7 +169,7 @@ fn fit(search: &Search, found: &Found, told: &Explanation) -> Fit {
 }
 
 /// The one that is reported of the refitted model and the best explanation: the former unless the verdict supports the latter.
-pub fn reported<'a>(verdict: Verdict, [baseline, best]: [&'a Explanation; 2]) -> &'a Explanation {
+pub fn reported(verdict: Verdict, [baseline, best]: [&Explanation; 2]) -> &Explanation {
     match verdict {
         Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => baseline,
         _ => best,

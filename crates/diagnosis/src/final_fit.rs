@@ -15,6 +15,7 @@ use super::problem::Problem;
 use super::projector::Projector;
 use super::search::Search;
 use super::split::{self, HeldOut};
+use super::stop::Stop;
 
 /// A problem over all rows of the fitted recordings.
 pub struct AllRows<'a> {
@@ -42,14 +43,16 @@ pub struct Final {
     pub best: Explanation,
 }
 
-/// Calls a function with the search over the rows of the final fit, and with what is fitted to them.
+/// Calls a function with the search over the rows of the final fit, and with what is fitted to them. Where the time is over,
+/// what is told stays as it was fitted.
 pub fn with_final_fit<T>(
     search: &Search,
     found: &Found,
+    enough: &Stop,
     then: impl FnOnce(&Search, &Final) -> T,
 ) -> T {
     let data = search.judge.data;
-    if data.judged_by != HeldOut::Stretches {
+    if data.judged_by != HeldOut::Stretches || enough.now() {
         let last = Final {
             baseline: found.baseline.clone(),
             best: found.best.clone(),

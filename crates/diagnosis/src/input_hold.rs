@@ -14,7 +14,7 @@ use super::thresholds::{LONG, MOSTLY_NOISE, STRONG};
 use super::weights::measure_noise;
 use super::whitening::Whitening;
 use nalgebra::DVector;
-use quell_model::effects::{Law, Slot};
+use quell_model::effects::Slot;
 use quell_model::{Experiment, Hold, Model, Term};
 use quell_recording::Role;
 
@@ -59,10 +59,7 @@ pub fn held_beside(
         own.per_row() < MOSTLY_NOISE && own.evidence() / correlation(&own.left) > STRONG
     };
     let mut without = found.clone();
-    without.effects.retain(|own| {
-        let values: Vec<f64> = own.parameters.iter().map(|own| own.value).collect();
-        !matches!((own.effect.law)(&values), Law::Drive(_) | Law::Sensor(_))
-    });
+    without.effects.retain(|own| !own.effect.acts_on_signal());
     let mut asked = vec![found];
     if without.effects.len() < found.effects.len() {
         asked.push(&without);

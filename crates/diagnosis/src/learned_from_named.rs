@@ -12,7 +12,7 @@ use super::screen::{Table, candidates};
 use super::search::Search;
 use quell_model::Term;
 use quell_model::curves::knots;
-use quell_model::effects::{Effect, Law, Slot, curve};
+use quell_model::effects::{Effect, Slot, curve};
 use rayon::prelude::*;
 
 impl Search<'_> {
@@ -45,11 +45,7 @@ impl Search<'_> {
             .cloned()
             .partition(is_named);
         let is_static = !learned.happens() && learned.slot() != Some(Slot::Hysteresis);
-        let outside = matches!(
-            (learned.law)(&learned.neutral()),
-            Law::Drive(_) | Law::Sensor(_)
-        );
-        if named.len() < least || !is_static || outside {
+        if named.len() < least || !is_static || learned.acts_on_signal() {
             return Vec::new();
         }
         let mut rest = point.clone();

@@ -1,6 +1,6 @@
 //! Properties of an effect, besides its law, that the rest of the program needs.
 
-use super::{Effect, Likeness, Parameter, ParameterRole, Place, Slot};
+use super::{Effect, Law, Likeness, Parameter, ParameterRole, Place, Slot};
 
 /// A simpler effect, and the values of its parameters.
 pub type Part = (&'static Effect, Vec<f64>);
@@ -193,6 +193,11 @@ impl Effect {
     /// Whether a sensor of positions in space cannot have it.
     pub fn is_of_deformation_only(&self) -> bool {
         self.is(|own| matches!(own, Property::OfDeformationOnly))
+    }
+
+    /// Whether it acts on a signal, of the drive or of a sensor, and not on the motion by a force.
+    pub fn acts_on_signal(&self) -> bool {
+        matches!((self.law)(&self.neutral()), Law::Drive(_) | Law::Sensor(_))
     }
 
     /// Whether it is equivalent to the offset of a clock.
