@@ -6,12 +6,31 @@
 //! is that of the best of these places.
 
 use super::explanation::Explanation;
-use super::final_fit::AllRows;
 use super::pool::Pool;
+use super::problem::Problem;
+use super::projector::Projector;
 use super::search::Search;
-use super::split::HeldOut;
+use super::split::{self, HeldOut};
 use super::thresholds::{BEAM, LONG, least_credible};
 use rayon::prelude::*;
+
+/// A problem over all rows of its recordings.
+pub struct AllRows<'a> {
+    /// The problem.
+    pub problem: Problem<'a>,
+    /// Projects its linear nuisances out.
+    pub projector: Projector,
+}
+
+impl<'a> AllRows<'a> {
+    /// The problem of which some rows are fitted, over all of them.
+    pub fn of(problem: &Problem<'a>) -> Self {
+        let mut problem = problem.clone();
+        problem.rows = problem.experiments.iter().map(split::whole).collect();
+        let projector = Projector::new(&problem);
+        Self { problem, projector }
+    }
+}
 
 impl Search<'_> {
     /// If the best explanation fits down to the noise, fits structures again from the optimum of all rows. Returns

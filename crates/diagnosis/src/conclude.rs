@@ -8,7 +8,7 @@ use super::document::{
 };
 use super::draw::shown;
 use super::explanation::Explanation;
-use super::final_fit::{Final, with_final_fit};
+use super::final_fit::with_final_fit;
 use super::found::Found;
 use super::law_band::law_curve;
 use super::locate::Located;
@@ -53,20 +53,21 @@ pub fn conclude(
     })
 }
 
-/// The same with the search over the rows of the final fit, and with what is fitted to them.
+/// The same with the search over the rows of the final fit, and with the refitted model and the best explanation there.
 fn concluded(
     (search, found): (&Search, &Found),
-    (whole, last): (&Search, &Final),
+    (whole, last): (&Search, [&Explanation; 2]),
     located: &Located,
     (recordings, mut remarks): (Recordings, Vec<String>),
     options: &Options,
 ) -> Concluded {
     let verdict = verdict(search, found, located);
-    let scatter = bootstrap(whole, &last.best, found, options);
+    let [last_baseline, last_best] = last;
+    let scatter = bootstrap(whole, last_best, found, options);
     if !scatter.is_drawn {
         remarks.push(UNDRAWN.into());
     }
-    let told = reported(verdict, [&last.baseline, &last.best]);
+    let told = reported(verdict, last);
     let machine = whole.machine(&told.fitted.point);
     let fit = fit(
         search,
@@ -75,7 +76,7 @@ fn concluded(
     );
     let findings = match verdict {
         Verdict::NoMismatch | Verdict::Unexplained | Verdict::NotExcited => Vec::new(),
-        _ => findings((search, found), (whole, &last.best), &scatter, &fit.after),
+        _ => findings((search, found), (whole, last_best), &scatter, &fit.after),
     };
     let mut diagnosis = Diagnosis {
         verdict,
@@ -87,7 +88,7 @@ fn concluded(
         },
         fit,
         nuisances: nuisances(whole, told),
-        nuisances_ci95: intervals_of_keys(whole, &last.best, &scatter),
+        nuisances_ci95: intervals_of_keys(whole, last_best, &scatter),
         next_move: None,
         candidates: found
             .ranked
@@ -99,7 +100,7 @@ fn concluded(
     };
     let scale = super::tracker_scale::tell(search, &mut diagnosis);
     let given = search.judge.model;
-    let points = [&last.baseline.fitted.point, &machine];
+    let points = [&last_baseline.fitted.point, &machine];
     let [refitted, better] = points.map(|point| better_model(given, point));
     let better = match &scale {
         Some(scale) => scale.corrected(better),

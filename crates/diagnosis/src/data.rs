@@ -3,7 +3,7 @@
 use super::extrapolation::least_beyond;
 use super::problem::Rows;
 use super::scales::scales;
-use super::split::{self, HeldOut, Split};
+use super::split::{self, HeldOut};
 use quell_model::{Experiment, Model};
 
 /// Length of held-out stretches, in periods of the mode: long enough that the noise of neighbouring stretches
@@ -36,10 +36,7 @@ impl Data {
         for experiment in &experiments {
             let parts = match from {
                 Some(from) => split::interleaved(experiment, stretch, from),
-                None => Split {
-                    train: split::whole(experiment),
-                    held_out: vec![Vec::new(); experiment.outputs.len()],
-                },
+                None => split::nothing_held_out(experiment),
             };
             train.push(parts.train);
             held_out.push(parts.held_out);
@@ -56,6 +53,19 @@ impl Data {
             held_out,
             apart,
             judged_by,
+        }
+    }
+
+    /// The experiments that are fitted, with all their rows.
+    pub fn with_all_rows(&self) -> Self {
+        let splits = self.experiments.iter().map(split::nothing_held_out);
+        let (train, held_out) = splits.map(|own| (own.train, own.held_out)).unzip();
+        Self {
+            experiments: self.experiments.clone(),
+            train,
+            held_out,
+            apart: Vec::new(),
+            judged_by: self.judged_by,
         }
     }
 

@@ -189,7 +189,10 @@ mod tests {
                         sizes += 1;
                         assert!(!ends[0], "{what}");
                     }
-                    ParameterRole::Phase | ParameterRole::Ordinate | ParameterRole::Range => {
+                    ParameterRole::Phase
+                    | ParameterRole::Ordinate
+                    | ParameterRole::Range
+                    | ParameterRole::Side => {
                         assert_eq!(ends, [false, false], "{what}");
                     }
                     _ => {}

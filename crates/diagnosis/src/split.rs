@@ -39,6 +39,14 @@ pub fn whole(experiment: &Experiment) -> Vec<Rows> {
     experiment.outputs.iter().map(all).collect()
 }
 
+/// The same as a split: nothing is held out.
+pub fn nothing_held_out(experiment: &Experiment) -> Split {
+    Split {
+        train: whole(experiment),
+        held_out: vec![Vec::new(); experiment.outputs.len()],
+    }
+}
+
 /// The first rows of every output are fitted.
 pub fn first(experiment: &Experiment, rows: usize) -> Vec<Rows> {
     let first = |output: &Output| std::iter::once(0..rows.min(output.values.len())).collect();

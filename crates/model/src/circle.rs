@@ -65,21 +65,14 @@ impl Circle {
     ) -> Option<Self> {
         let (start, duration) = (*time.first()?, time.last()? - time.first()?);
         let off: Vec<[f64; 1]> = radius.iter().map(|radius| [(radius - arm) / arm]).collect();
+        let circle: Vec<(f64, f64)> = angle.iter().map(|angle| angle.sin_cos()).collect();
         let rows = |settling: Option<f64>, shrinks: bool| -> Vec<[f64; UNKNOWNS]> {
             let row = |k: usize| {
-                let (sine, cosine) = angle[k].sin_cos();
+                let (sin, cos) = circle[k];
                 let gone = settling.map_or(0.0, |own| levelling(time[k] - start, own));
                 let fast = if shrinks { speed[k] } else { 0.0 };
-                let shrink = [fast * fast, 2.0 * fast * acceleration[k]];
-                [
-                    1.0,
-                    cosine,
-                    sine,
-                    gone * cosine,
-                    gone * sine,
-                    shrink[0],
-                    shrink[1],
-                ]
+                let late = 2.0 * fast * acceleration[k];
+                [1.0, cos, sin, gone * cos, gone * sin, fast * fast, late]
             };
             (0..angle.len()).map(row).collect()
         };
