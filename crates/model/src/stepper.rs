@@ -13,7 +13,7 @@ mod events;
 
 use super::attachment::{ATTACHMENTS, Attachment};
 use super::chain::{Chain, Constants, Instant, State, coordinate, position};
-use super::effects::{Change, Motion};
+use super::effects::{Change, Motion, Zone};
 use super::piecewise::RADIANS_A_STEP;
 use super::runge_kutta::{Span, Step, Trial, Whole, steps};
 use super::trace::Trace;
@@ -51,20 +51,18 @@ pub(super) struct Stepper<'a> {
     /// Whether that depends on the position.
     varies: bool,
     /// Dependence of an attachment's friction on the speed, if it is slow enough for the steps.
-    falls: [Option<Fall>; 3],
+    falls: [Fall; 3],
     /// 0 sticks, otherwise the sign of the slip velocity.
     slides: [f64; 3],
 }
 
 /// Friction whose level depends on the speed.
-#[derive(Clone, Copy)]
+#[derive(Default)]
 struct Fall {
-    /// Largest change of the speed within a step.
-    step: f64,
-    /// Acceleration by the whole change of friction.
+    /// Acceleration by the whole change of friction; 0 of one that does not change.
     drop: f64,
-    /// Speed beyond which the friction is constant.
-    until: f64,
+    /// Speeds at which it changes.
+    zones: Vec<Zone>,
 }
 
 #[derive(Clone, Copy)]
@@ -236,21 +234,21 @@ impl<'a> Stepper<'a> {
     fn longest(&self, start: &Instant, h: f64) -> f64 {
         let mut longest = h;
         for attachment in self.rough() {
-            let Some(fall) = self.falls[attachment as usize] else {
-                continue;
-            };
             let slides = self.slides[attachment as usize];
             if slides == 0.0 {
                 continue;
             }
+            let fall = &self.falls[attachment as usize];
             let rate = slides * coordinate(attachment, &start.motion)[1];
             let change = slides * slip(start, attachment);
-            let above = rate - fall.until;
-            longest = match above > 0.0 {
-                true if above + change * h < 0.0 => longest.min(-1.01 * above / change),
-                true => longest,
-                false => longest.min(fall.step / (change.abs() + fall.drop)),
-            };
+            for zone in &fall.zones {
+                let above = rate - zone.until;
+                longest = match above > 0.0 {
+                    true if above + change * h < 0.0 => longest.min(-1.01 * above / change),
+                    true => longest,
+                    false => longest.min(zone.step / (change.abs() + fall.drop)),
+                };
+            }
         }
         longest
     }
@@ -384,34 +382,27 @@ fn breakaway(chain: &Chain, motion: &Motion) -> [Option<[f64; 2]>; 3] {
 /// Dependence of each attachment's friction on the speed. Stribeck velocities that are too small for steps of
 /// length `h` become 0: the breakaway force then acts at rest only. So do transition velocities: the friction
 /// then jumps, and sticks.
-fn falls(chain: &mut Chain, constants: &Constants, h: f64) -> [Option<Fall>; 3] {
-    let mut found: [Option<Fall>; 3] = [None; 3];
+fn falls(chain: &mut Chain, constants: &Constants, h: f64) -> [Fall; 3] {
+    let mut found = <[Fall; 3]>::default();
     for index in 0..chain.frictions.len() {
         let attachment = chain.attachment(chain.frictions[index].place);
         let law = &mut chain.frictions[index].law;
-        let Change { step, force, until } = law.change();
+        let Change { force, zones } = law.change();
         let drop = chain.linear.unit_force * constants.mobility(attachment) * force;
         if drop <= 0.0 {
             continue;
         }
         let curve = law.levels.is_some();
-        if !curve && step < drop * h / Change::FINEST {
+        if !curve && zones[0].step < drop * h / Change::FINEST {
             if law.transition_velocity > 0.0 {
                 (law.transition_velocity, law.breakaway) = (0.0, law.kinetic);
             }
             law.stribeck_velocity = 0.0;
             continue;
         }
-        let other = found[attachment as usize].unwrap_or(Fall {
-            step: f64::INFINITY,
-            drop: 0.0,
-            until: 0.0,
-        });
-        found[attachment as usize] = Some(Fall {
-            step: step.min(other.step),
-            drop: drop + other.drop,
-            until: until.max(other.until),
-        });
+        let own = &mut found[attachment as usize];
+        own.drop += drop;
+        own.zones.extend(zones);
     }
     found
 }

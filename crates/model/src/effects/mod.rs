@@ -27,6 +27,7 @@ mod drive_lag;
 mod end_stop;
 mod external_disturbance;
 mod force_offset;
+mod friction;
 mod gravity_load;
 mod grid;
 mod harmonic_disturbance;
@@ -85,10 +86,10 @@ mod viscous_friction;
 
 pub use catalogue::{Catalogue, words};
 pub use curve::curve;
-pub(crate) use law::Change;
+pub(crate) use friction::{Change, Zone};
+pub use friction::{Friction, Levels};
 pub use law::{
-    Drive, Force, Friction, Impulse, Inertia, Law, Levels, Memory, Motion, Reading, Resonance,
-    STATES, Sensor,
+    Drive, Force, Impulse, Inertia, Law, Memory, Motion, Reading, Resonance, STATES, Sensor,
 };
 pub use learned::KNOTS;
 pub(crate) use learned_friction::{even_velocities, slip_velocities};
