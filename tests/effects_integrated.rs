@@ -1,9 +1,9 @@
 //! The laws of the catalogue in the chain: what the integration makes of them.
 
 use nalgebra::Complex;
-use quell::effects::{EFFECTS, Effect, Law, Memory, ParameterRole, Place, Scales};
+use quell::effects::{EFFECTS, Effect, Law, Memory, ParameterRole, Place, Resonance, Scales};
 use quell::model::chain::{Chain, ForceElement, FrictionElement};
-use quell::model::{Grid, Hold, Kind, Timed, Trace, integrate};
+use quell::model::{FurtherModes, Grid, Hold, Kind, Timed, Trace, integrate};
 use quell::recording::Role;
 use std::f64::consts::TAU;
 
@@ -41,9 +41,17 @@ fn joint() -> Chain {
     Chain::new((joint.linear)(&keys, Role::MotorPosition))
 }
 
+/// A motion, and the further mode that it drives.
+type Motion = (Trace, FurtherModes);
+
 /// Simulates the joint with a law, or nothing where the law is not in the chain.
-fn simulate(law: Option<(Law, Place)>, grid: &Grid) -> Option<Trace> {
+fn simulate(law: Option<(Law, Place)>, grid: &Grid) -> Option<Motion> {
     let (mut chain, mut timed) = (joint(), Timed::default());
+    let start = grid.input[0].at(0.0);
+    let mut modes = FurtherModes {
+        start: [[start[0], 0.0]; 2],
+        ..FurtherModes::default()
+    };
     match law {
         None => {}
         Some((Law::Force(law), place)) => {
@@ -60,20 +68,21 @@ fn simulate(law: Option<(Law, Place)>, grid: &Grid) -> Option<Trace> {
             timed.breaks.extend(inertia.breaks());
             chain.inertias.push(inertia);
         }
-        Some((Law::Resonance(mode), _)) => chain.resonances.push(mode),
+        Some((Law::Resonance(mode), _)) => modes.laws.push(Resonance { share: 1.0, ..mode }),
         Some((Law::Impulse(impulse), _)) => timed.impulses.push(impulse),
         Some((Law::Drive(_) | Law::Sensor(_), _)) => return None,
     }
-    let start = grid.input[0].at(0.0);
-    let mut state = [0.0; 8];
-    state[2] = start[0];
-    state[4] = start[0];
-    Some(integrate(&mut chain, grid, state, &timed))
+    let trace = integrate(&mut chain, grid, [0.0, 0.0, start[0], 0.0], &timed);
+    Some((trace, modes))
 }
 
 /// Deformation at the samples of the input, and that of the further mode.
-fn deformation(trace: &Trace) -> Vec<f64> {
+fn deformation((trace, modes): &Motion) -> Vec<f64> {
     let mut at_samples = Vec::new();
+    let still = vec![[0.0; 2]; trace.time.len()];
+    let nodes = 0..=trace.time.len() - 1;
+    let seen = modes.seen(trace, nodes, (&still, 0), &mut modes.start.clone());
+    let mut further = seen.time.iter().zip(&seen.curve);
     for k in 0..trace.time.len() {
         // Of the two nodes at a kick the later one.
         let last = trace
@@ -83,7 +92,10 @@ fn deformation(trace: &Trace) -> Vec<f64> {
         if last && (trace.time[k] / 0.004 - (trace.time[k] / 0.004).round()).abs() < 1e-6 {
             let u = trace.motor[k][0];
             at_samples.push(trace.link[k][0] - u);
-            let further = trace.modes.get(k).map_or(u, |modes| modes[0][0]);
+            let at = further.find(|(time, _)| **time == trace.time[k]);
+            let further = at
+                .filter(|_| !modes.laws.is_empty())
+                .map_or(u, |at| at.1[0]);
             at_samples.push(further - u);
         }
     }
@@ -100,7 +112,7 @@ fn rms_difference(a: &[f64], b: &[f64]) -> f64 {
     (sum / a.len() as f64).sqrt()
 }
 
-fn scales(base: &Trace) -> Scales {
+fn scales((base, _): &Motion) -> Scales {
     let nodes = 0..base.time.len();
     let difference = |i: usize| {
         let nodes = nodes.clone();
@@ -203,7 +215,6 @@ fn everything_tried_is_finite_and_seen() {
                 .collect::<Vec<_>>()
         });
         let starts = (effect.starts)(&scales);
-        let resonance = matches!((effect.law)(&starts[0]), Law::Resonance(_));
         for (values, tried) in starts
             .into_iter()
             .map(|s| (s, true))
@@ -219,10 +230,10 @@ fn everything_tried_is_finite_and_seen() {
                 effect.name,
                 place.name()
             );
-            // At a corner of their bounds a further mode, and a stop in which the whole motion lies, are faster than
-            // this grid. A model refines it for a mode; a fit turns back from a motion that diverges.
+            // At a corner of its bounds a stop in which the whole motion lies is faster than this grid: a fit turns back from
+            // a motion that diverges.
             let is_stop = effect.index(ParameterRole::Border).is_some();
-            let fast = (resonance || is_stop) && !tried;
+            let fast = is_stop && !tried;
             assert!(change.is_finite() || fast, "{what}");
             // What happens after the last move need not be seen.
             let time = effect.index(ParameterRole::Time);

@@ -2,18 +2,18 @@
 
 use nalgebra::Complex;
 use quell::effects::{
-    CandidateStop, EFFECTS, Effect, Friction, Impulse, Law, Memory, Place, Scales,
+    CandidateStop, EFFECTS, Effect, Friction, Impulse, Law, Memory, Place, Resonance, Scales,
 };
 use quell::model::chain::{
     Chain, ForceElement, FrictionElement, Linear, MotorSide, PositionLoop, State,
 };
-use quell::model::{Grid, Hold, KINDS, Kind, Timed, Trace, integrate};
+use quell::model::{FurtherModes, Grid, Hold, KINDS, Kind, Timed, Trace, integrate};
 use quell::recording::Role;
 use quell::signal::{CubicSpline, End, ForcedResponse};
 use quell_shapers::Mode;
 use std::f64::consts::{PI, TAU};
 
-const REST: State = [0.0; 8];
+const REST: State = [0.0; 4];
 
 fn kind(name: &str) -> &'static Kind {
     Kind::from_name(name).unwrap_or_else(|| panic!("no kind {name}"))
@@ -69,9 +69,8 @@ fn add(chain: &mut Chain, law: Law, place: Place) -> Timed {
             chain.inertias.push(inertia);
         }
         Law::Kinematic(error) => chain.kinematics.push(error),
-        Law::Resonance(mode) => chain.resonances.push(mode),
         Law::Impulse(impulse) => timed.impulses.push(impulse),
-        Law::Drive(_) | Law::Sensor(_) => {}
+        Law::Drive(_) | Law::Sensor(_) | Law::Resonance(_) => {}
     }
     timed
 }
@@ -126,6 +125,47 @@ fn val_free_decay_and_forced_response_are_met_to_the_fourth_order() {
         assert!(pair[0] / pair[1] > 14.0, "fourth order: {errors:?}");
     }
     assert!(errors[4] < 1e-9, "{errors:?}");
+}
+
+/// A further mode of up to 12 radians a step of the motion, whose nodes are the knots of the motor side's spline.
+#[test]
+fn val_a_further_mode_is_exact_between_the_steps_of_the_motion() {
+    let input = grid(60.0, 0.15, |t| smooth_move(t, 7.0, 1.0));
+    let u: Vec<f64> = input
+        .time
+        .iter()
+        .map(|&t| smooth_move(t, 7.0, 1.0))
+        .collect();
+    let spline = CubicSpline::new(&input.time, &u, End::NotAKnot).expect("a spline");
+    let trace = run(&mut Chain::new(joint(0.05)), &input, REST);
+    for (natural_frequency, damping_ratio) in [(0.3, 0.02), (3.0, 0.0), (20.0, 0.04), (80.0, 0.4)] {
+        let mode = Mode::new(natural_frequency, damping_ratio).expect("a mode");
+        let exact = ForcedResponse::new(&spline, mode, false, (0.01, 0.0));
+        let law = Resonance {
+            natural_frequency,
+            damping_ratio,
+            share: 1.0,
+            damping_coupling: 0.0,
+        };
+        let modes = FurtherModes {
+            laws: vec![law],
+            ..FurtherModes::default()
+        };
+        let still = vec![[0.0; 2]; trace.time.len()];
+        let mut start = [[0.01 + spline.value(0.0), spline.derivative(0.0)], [0.0; 2]];
+        let seen = modes.seen(&trace, 0..=still.len() - 1, (&still, 0), &mut start);
+        for (&time, [x, v]) in seen.time.iter().zip(&seen.curve) {
+            let (deformation, rate) = exact.at(time.min(60.0));
+            let off = x - spline.value(time) - deformation;
+            let off_rate = v - spline.derivative(time) - rate;
+            assert!(off.abs() < 1e-7, "{natural_frequency} at {time}: {off:e}");
+            let size = 1e-7 * natural_frequency.max(1.0);
+            assert!(
+                off_rate.abs() < size,
+                "{natural_frequency} at {time}: {off_rate:e}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! A point in the space of the unknowns: shared by all recordings, or of one recording.
 
-use quell_model::chain::RESONANCES;
+use quell_model::RESONANCES;
 use quell_model::effects::{Effect, Law, Place};
 use quell_model::{Departure, Term};
 

@@ -4,10 +4,11 @@ use super::fit::Fitted;
 use super::problem::Problem;
 use super::projector::Projector;
 use super::thresholds::{LONG, STRONG};
+use quell_model::RESONANCES;
 use quell_model::StartComponent::{
     Deformation, DeformationRate, Mode, ModeRate, MotorPosition, MotorVelocity,
 };
-use quell_model::chain::{MotorSide, RESONANCES};
+use quell_model::chain::MotorSide;
 use quell_model::effects::Scales;
 use quell_model::{Departure, Experiment, InputError, Model, StartComponent};
 

@@ -12,7 +12,7 @@ use super::attachment::Attachment;
 use super::bodies::Bodies;
 use super::coupling::Pull;
 pub use super::linear::{Linear, MotorSide, PositionLoop};
-use crate::effects::{Force, Friction, Impulse, Inertia, Memory, Motion, Place, Resonance};
+use crate::effects::{Force, Friction, Impulse, Inertia, Memory, Motion, Place};
 
 /// A force law at a place, and its memory.
 pub struct ForceElement {
@@ -46,8 +46,6 @@ pub struct Chain {
     pub inertias: Vec<Box<dyn Inertia>>,
     /// Impulses that last.
     pub impulses: Vec<Impulse>,
-    /// Further modes.
-    pub resonances: Vec<Resonance>,
     /// Transmission errors.
     pub kinematics: Vec<Box<dyn Fn(f64) -> [f64; 2] + Send + Sync>>,
     /// Static maps of the drive inside the loop.
@@ -58,11 +56,8 @@ pub struct Chain {
     pub pull: Option<Pull>,
 }
 
-/// Most further modes of a chain.
-pub const RESONANCES: usize = 2;
-
-/// Position and velocity of motor side, link, further modes.
-pub type State = [f64; 4 + 2 * RESONANCES];
+/// Position and velocity of motor side and link.
+pub type State = [f64; 4];
 
 /// Quantities of the chain at an instant.
 #[derive(Clone, Copy, Debug, Default)]
@@ -75,8 +70,6 @@ pub struct Instant {
     pub motor: f64,
     /// Acceleration of the link.
     pub link: f64,
-    /// Accelerations of further modes.
-    pub modes: [f64; RESONANCES],
     /// Force of the drive on the motor side; where the link's position is the input, the force that holds it
     /// there. In the equation's unit.
     pub force: f64,
@@ -93,7 +86,6 @@ impl Chain {
             frictions: Vec::new(),
             inertias: Vec::new(),
             impulses: Vec::new(),
-            resonances: Vec::new(),
             kinematics: Vec::new(),
             maps: Vec::new(),
             held: None,
@@ -107,7 +99,6 @@ impl Chain {
             && self.frictions.is_empty()
             && self.inertias.is_empty()
             && self.impulses.is_empty()
-            && self.resonances.is_empty()
             && self.kinematics.is_empty()
             && self.linear.position_loop.is_none()
     }
@@ -212,10 +203,6 @@ impl Chain {
         };
         if LAWS {
             instant.holding = self.resist(&motion, ratio, &mut bodies);
-            for (k, mode) in self.resonances.iter().take(RESONANCES).enumerate() {
-                let (x, v) = (state[4 + 2 * k], state[5 + 2 * k]);
-                instant.modes[k] = self.further(mode, &motion, drive, x, v);
-            }
         }
         if linear.link_is_input {
             instant.force = -bodies.force[1];
@@ -314,13 +301,6 @@ impl Chain {
         let wanted = velocity_gain * (position_gain * (r - u) - v);
         let wanted = wanted.clamp(-limit, limit);
         self.maps.iter().fold(wanted, |value, map| map.map(value))
-    }
-
-    fn further(&self, mode: &Resonance, motion: &Motion, drive: f64, x: f64, v: f64) -> f64 {
-        let (w, xi) = (mode.natural_frequency, mode.damping_ratio);
-        let u = motion.motor;
-        let coupled = mode.damping_coupling * (u[1] - motion.link[1]);
-        w * w * (u[0] - x) + 2.0 * w * (xi * (u[1] - v) + coupled) + self.linear.link_gain * drive
     }
 }
 

@@ -1,6 +1,6 @@
 //! Differences between the start of a motion and its measured start.
 
-use super::chain::{RESONANCES, State};
+use super::further_modes::RESONANCES;
 use std::ops::{Index, IndexMut};
 
 /// A component of the start.
@@ -45,7 +45,7 @@ impl StartComponent {
 
 /// A difference for each component of the start, in the units of the chain's state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Departure(State);
+pub struct Departure([f64; 4 + 2 * RESONANCES]);
 
 impl Index<StartComponent> for Departure {
     type Output = f64;

@@ -44,7 +44,7 @@ enum Stop {
 /// given time. Each such end is a node of the trace: between two nodes the motion is smooth. Allocates the
 /// trace and nothing else.
 pub fn integrate(chain: &mut Chain, grid: &Grid, state: State, timed: &Timed) -> Trace {
-    let trace = Trace::with_capacity(grid.input.len() + 1, !chain.resonances.is_empty());
+    let trace = Trace::of(chain, grid.input.len() + 1);
     let Some(mut journey) = Journey::new(chain, grid, state, timed, trace) else {
         return Trace::default();
     };
@@ -63,7 +63,7 @@ pub(super) fn integrate_in_parts(
     mut see: impl FnMut(&Trace, bool),
 ) {
     let room = nodes.min(grid.input.len() + 1) + MOST_NODES;
-    let trace = Trace::with_capacity(room, !chain.resonances.is_empty());
+    let trace = Trace::of(chain, room);
     let Some(mut journey) = Journey::new(chain, grid, state, timed, trace) else {
         return see(&Trace::default(), true);
     };
@@ -143,7 +143,7 @@ impl<'a> Journey<'a> {
         loop {
             let stop = self.happen(&span);
             let instant = self.stepper.settle(&self.state, &span);
-            self.trace.push(&instant, &self.state);
+            self.trace.push(&instant, &span);
             let to = stop.min(t1);
             // An event at the end of a step has not happened within it.
             span.last = if stop <= t1 { to.next_down() } else { to };
@@ -170,13 +170,13 @@ impl<'a> Journey<'a> {
             if matches!(stop, Stop::Kick(_) | Stop::Restart(_)) && !self.trace.time.is_empty() {
                 let mut before = self.stepper.settle(&self.state, span);
                 before.motion.time = span.from.next_down();
-                self.trace.push(&before, &self.state);
+                self.trace.push(&before, span);
             }
             let (chain, state) = (&mut *self.stepper.chain, &mut self.state);
             match stop {
                 Stop::Break => {}
                 Stop::Kick(size) => *state = kicked(chain, span.from, *state, size),
-                Stop::Restart(anew) => state[..4].copy_from_slice(&anew),
+                Stop::Restart(anew) => *state = anew,
                 Stop::Tick => self.ticks.tick(chain, state, span.at(0.0).1[0]),
             }
         }
@@ -192,7 +192,7 @@ impl<'a> Journey<'a> {
             input: &self.grid.input[steps - 1],
         };
         let instant = self.stepper.settle(&self.state, &span);
-        self.trace.push(&instant, &self.state);
+        self.trace.push(&instant, &span);
         self.trace
     }
 }

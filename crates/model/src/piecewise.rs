@@ -38,7 +38,7 @@ impl Cubic {
     }
 
     /// The same polynomial, starting at `s`.
-    fn shifted(&self, s: f64) -> Self {
+    pub(super) fn shifted(&self, s: f64) -> Self {
         let [value, rate, second] = self.at(s);
         Self([value, rate, second / 2.0, self.0[3]])
     }

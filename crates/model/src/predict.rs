@@ -7,13 +7,14 @@ use super::departure::{
     StartComponent::{Deformation, DeformationRate, MotorPosition, MotorVelocity},
 };
 use super::experiment::{Experiment, Output};
+use super::further_modes::{FurtherModes, RESONANCES};
 use super::integrate::{Restart, Timed, integrate, integrate_in_parts};
-use super::piecewise::{Grid, RADIANS_A_STEP};
+use super::piecewise::Grid;
 use super::reading::{Eyes, Prediction, Reader};
 use super::start::start;
 use super::trace::{Kinematics, Trace};
 use super::{Kind, Model};
-use crate::effects::{Drive, Effect, Law, Memory, Place, Sensor};
+use crate::effects::{Drive, Effect, Law, Memory, Place, Resonance, Sensor};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -181,7 +182,8 @@ fn ready<'a>(
     super::tally::count();
     let linear = (kind.linear)(keys, experiment.input);
     let mut chain = Chain::new(linear);
-    let (mut sensors, mut drives, mut timed) = (Vec::new(), Vec::new(), Timed::default());
+    let (mut sensors, mut laws, mut drives) = (Vec::new(), Vec::new(), Vec::new());
+    let mut timed = Timed::default();
     for term in terms {
         if !term.acts_in(experiment) {
             continue;
@@ -190,8 +192,7 @@ fn ready<'a>(
             (term.effect.law)(&term.values),
             term.place,
             &mut chain,
-            &mut sensors,
-            &mut drives,
+            (&mut sensors, &mut laws, &mut drives),
             &mut timed,
         );
     }
@@ -204,12 +205,12 @@ fn ready<'a>(
         let (maps, late) = drives.into_iter().partition(|drive| drive.is_static());
         (chain.maps, drives) = (maps, late);
     }
-    let grid = grid(&chain, experiment, &drives);
+    let grid = grid(experiment, &drives);
     if let Some(coupling) = &experiment.coupling {
         chain.pull = Some(Pull::new(coupling.over(&grid, &sensors), &grid));
     }
     let mut departures = departures.iter().copied();
-    let state = start(
+    let (state, modes) = start(
         &mut chain,
         &grid,
         experiment,
@@ -225,10 +226,14 @@ fn ready<'a>(
             state: [u, v, u + d, v + rate],
         });
     }
-    let shares = chain.resonances.iter().map(|mode| mode.share).collect();
+    let modes = FurtherModes {
+        laws,
+        link_gain: chain.linear.link_gain,
+        start: modes,
+    };
     let eyes = Eyes {
         sensors,
-        shares,
+        modes,
         prescribed: chain.linear.motor != MotorSide::Fixed,
         elastic: chain.linear.link.is_some(),
     };
@@ -241,12 +246,18 @@ fn ready<'a>(
     }
 }
 
+/// What is outside the chain: sensors, further modes, the drive.
+type Outside<'a> = (
+    &'a mut Vec<Box<dyn Sensor>>,
+    &'a mut Vec<Resonance>,
+    &'a mut Vec<Box<dyn Drive>>,
+);
+
 fn add(
     law: Law,
     place: Place,
     chain: &mut Chain,
-    sensors: &mut Vec<Box<dyn Sensor>>,
-    drives: &mut Vec<Box<dyn Drive>>,
+    (sensors, modes, drives): Outside<'_>,
     timed: &mut Timed,
 ) {
     match law {
@@ -266,34 +277,23 @@ fn add(
             timed.breaks.extend(inertia.breaks());
             chain.inertias.push(inertia);
         }
-        Law::Resonance(mode) => chain.resonances.push(mode),
+        Law::Resonance(mode) if modes.len() < RESONANCES => modes.push(mode),
+        Law::Resonance(_) => {}
         Law::Impulse(impulse) => timed.impulses.push(impulse),
         Law::Sensor(sensor) => sensors.push(sensor),
     }
 }
 
-/// The experiment's own grid, or one with the effects of the drive in the input, or with finer steps.
-fn grid<'a>(chain: &Chain, experiment: &'a Experiment, drives: &[Box<dyn Drive>]) -> Cow<'a, Grid> {
-    let fastest = chain
-        .resonances
-        .iter()
-        .map(|mode| mode.natural_frequency)
-        .fold(0.0, f64::max);
-    let coarse = experiment.grid.step();
-    // A further mode has a smaller amplitude, so that twice the step, with 16 times the relative error, is
-    // enough.
-    let fine = fastest * coarse > 2.0 * RADIANS_A_STEP;
-    if drives.is_empty() && !fine {
+/// The experiment's own grid, or one with the effects of the drive in the input.
+fn grid<'a>(experiment: &'a Experiment, drives: &[Box<dyn Drive>]) -> Cow<'a, Grid> {
+    if drives.is_empty() {
         return Cow::Borrowed(&experiment.grid);
     }
     let mut values = experiment.input_values.clone();
     for drive in drives {
         drive.run(&experiment.input_time, &mut values);
     }
-    let mut step = coarse * (1.0 + 1e-9);
-    while fastest * step > 2.0 * RADIANS_A_STEP * (1.0 + 1e-6) {
-        step /= 2.0;
-    }
+    let step = experiment.grid.step() * (1.0 + 1e-9);
     match Grid::new(&experiment.input_time, &values, experiment.hold, step) {
         Ok(grid) => Cow::Owned(grid),
         Err(_) => Cow::Borrowed(&experiment.grid),
@@ -301,21 +301,26 @@ fn grid<'a>(chain: &Chain, experiment: &'a Experiment, drives: &[Box<dyn Drive>]
 }
 
 impl Simulated {
-    /// The same motion, read by sensors with these effects.
-    pub fn read_by(&self, terms: &[Term]) -> Self {
-        let laws = terms
-            .iter()
-            .filter(|term| term.acts())
-            .map(|term| (term.effect.law)(&term.values));
-        let sensors = laws.filter_map(|law| match law {
-            Law::Sensor(sensor) => Some(sensor),
-            _ => None,
-        });
+    /// The same motion, seen by the sensors and with the further modes of these effects in an
+    /// experiment.
+    pub fn read_by(&self, terms: &[Term], experiment: &Experiment) -> Self {
+        let (mut sensors, mut laws) = (Vec::new(), Vec::new());
+        for term in terms.iter().filter(|term| term.acts_in(experiment)) {
+            match (term.effect.law)(&term.values) {
+                Law::Sensor(sensor) => sensors.push(sensor),
+                Law::Resonance(mode) if laws.len() < RESONANCES => laws.push(mode),
+                _ => {}
+            }
+        }
+        let modes = FurtherModes {
+            laws,
+            ..self.eyes.modes.clone()
+        };
         Self {
             trace: Arc::clone(&self.trace),
             eyes: Eyes {
-                sensors: sensors.collect(),
-                shares: self.eyes.shares.clone(),
+                sensors,
+                modes,
                 ..self.eyes
             },
         }

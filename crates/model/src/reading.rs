@@ -1,6 +1,7 @@
 //! Readings of a simulated motion, at the stamps of the sensors.
 
 use super::experiment::Output;
+use super::further_modes::{FurtherModes, ModeStates};
 use super::trace::{Kinematics, Trace, hermite, sloped};
 use crate::effects::{Reading, Sensor};
 use quell_recording::Role;
@@ -17,8 +18,8 @@ pub struct Prediction {
 /// The observation of a motion: the effects of the sensors, and the quantity that stands for the link.
 pub(super) struct Eyes {
     pub sensors: Vec<Box<dyn Sensor>>,
-    /// Shares of the further modes in what a sensor of the link sees.
-    pub shares: Vec<f64>,
+    /// Further modes that a sensor of the link sees.
+    pub modes: FurtherModes,
     /// Whether something prescribes or drives the motor side.
     pub prescribed: bool,
     /// Whether a link hangs on the motor side.
@@ -36,23 +37,11 @@ impl Eyes {
         }
     }
 
-    /// The quantity that an output measures, at the nodes.
+    /// The quantity that an output measures without the shares of further modes, at the nodes.
     fn curve(&self, trace: &Trace, role: Role) -> Vec<[f64; 2]> {
-        let first = |k: usize| -> Kinematics {
-            let mut seen = trace.link[k];
-            for (mode, &share) in self.shares.iter().enumerate() {
-                let own = match self.prescribed {
-                    true => trace.link[k],
-                    false => [0.0; 3],
-                };
-                for (seen, (further, own)) in
-                    seen.iter_mut().zip(trace.modes[k][mode].iter().zip(own))
-                {
-                    *seen += share * (further - own);
-                }
-            }
-            seen
-        };
+        let further: f64 = self.modes.laws.iter().map(|law| law.share).sum();
+        let own = if self.prescribed { 1.0 - further } else { 1.0 };
+        let first = |k: usize| -> Kinematics { trace.link[k].map(|value| own * value) };
         let nodes = 0..trace.time.len();
         match role {
             Role::MotorPosition => nodes
@@ -75,6 +64,18 @@ impl Eyes {
             _ => nodes.map(|k| [first(k)[0], first(k)[1]]).collect(),
         }
     }
+
+    /// The derivative of further modes that an output sees, if it sees any.
+    fn order(&self, role: Role) -> Option<usize> {
+        match role {
+            _ if self.modes.laws.is_empty() => None,
+            Role::MotorPosition | Role::MotorVelocity => None,
+            Role::Force | Role::Torque | Role::MotorCurrent | Role::MotorVoltage => None,
+            Role::LinkVelocity => Some(1),
+            Role::LinkAcceleration => Some(2),
+            _ => Some(0),
+        }
+    }
 }
 
 /// Reads an output from a motion in one part, or in several
@@ -87,6 +88,8 @@ pub(super) struct Reader<'a> {
     /// State of each filter at the first node of the next part; empty before the first part.
     filtered: Vec<Option<[f64; 2]>>,
     begun: bool,
+    /// States of further modes at the first node of the next part.
+    modes: ModeStates,
     prediction: Prediction,
 }
 
@@ -98,6 +101,7 @@ impl<'a> Reader<'a> {
             offset,
             filtered: vec![None; eyes.of(output).len()],
             begun: false,
+            modes: eyes.modes.start,
             prediction: Prediction {
                 values: Vec::with_capacity(output.time.len()),
                 rates: Vec::with_capacity(output.time.len()),
@@ -118,7 +122,19 @@ impl<'a> Reader<'a> {
         let to = trace.time.len() - if last { 1 } else { 2 };
         self.begun = true;
         let mut curve = self.eyes.curve(trace, self.output.role);
-        let (time, curve) = (&trace.time[from..=to], &mut curve[from..=to]);
+        let order = self.eyes.order(self.output.role);
+        let mut seen = order.map(|order| {
+            let modes = &self.eyes.modes;
+            modes.seen(trace, from..=to, (&curve, order), &mut self.modes)
+        });
+        let (time, motor, curve) = match &mut seen {
+            Some(own) => (&own.time[..], &own.motor[..], &mut own.curve[..]),
+            None => (
+                &trace.time[from..=to],
+                &trace.motor[from..=to],
+                &mut curve[from..=to],
+            ),
+        };
         for (sensor, filtered) in sensors.iter().zip(&mut self.filtered) {
             if sensor.filters() {
                 sensor.filter(time, curve, *filtered);
@@ -128,7 +144,7 @@ impl<'a> Reader<'a> {
         let part = Part {
             time,
             curve,
-            motor: &trace.motor[from..=to],
+            motor,
             relative: self.output.role == Role::Deformation,
             tracked: self.output.channel == Role::TipPosition,
         };

@@ -2,7 +2,7 @@
 //!
 //! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sections II.1 and II.6.
 
-use super::chain::{Chain, Constants, Instant, MotorSide, RESONANCES, State};
+use super::chain::{Chain, Constants, Instant, MotorSide, State};
 use super::piecewise::Cubic;
 
 /// Position of a step in time.
@@ -49,35 +49,29 @@ pub(super) type Whole = fn(&Chain, &Constants, &Span, &mut State, &Instant, f64)
 pub(super) fn steps(chain: &Chain) -> (Step, Whole) {
     let free = matches!(chain.linear.motor, MotorSide::Free { .. });
     let link = chain.linear.link.is_some();
-    let modes = !chain.resonances.is_empty();
-    match (free, link, chain.is_linear(), modes) {
-        (false, _, true, _) => pair::<false, true, false, 0>(),
-        (true, false, true, _) => pair::<true, false, false, 0>(),
-        (true, true, true, _) => pair::<true, true, false, 0>(),
-        (false, _, false, false) => pair::<false, true, true, 0>(),
-        (true, false, false, false) => pair::<true, false, true, 0>(),
-        (true, true, false, false) => pair::<true, true, true, 0>(),
-        (false, _, false, true) => pair::<false, true, true, RESONANCES>(),
-        (true, false, false, true) => pair::<true, false, true, RESONANCES>(),
-        (true, true, false, true) => pair::<true, true, true, RESONANCES>(),
+    match (free, link, chain.is_linear()) {
+        (false, _, true) => pair::<false, true, false>(),
+        (true, false, true) => pair::<true, false, false>(),
+        (true, true, true) => pair::<true, true, false>(),
+        (false, _, false) => pair::<false, true, true>(),
+        (true, false, false) => pair::<true, false, true>(),
+        (true, true, false) => pair::<true, true, true>(),
     }
 }
 
-fn pair<const MOTOR: bool, const LINK: bool, const LAWS: bool, const MODES: usize>() -> (Step, Whole)
-{
+fn pair<const MOTOR: bool, const LINK: bool, const LAWS: bool>() -> (Step, Whole) {
     (
-        trial::<MOTOR, LINK, LAWS, MODES>,
+        trial::<MOTOR, LINK, LAWS>,
         |chain, constants, span, state, start, h| {
-            let end =
-                trial::<MOTOR, LINK, LAWS, MODES>(chain, constants, span, state, start, h).end;
-            each::<MOTOR, LINK, MODES>(|i| state[i] = end[i]);
+            let end = trial::<MOTOR, LINK, LAWS>(chain, constants, span, state, start, h).end;
+            each::<MOTOR, LINK>(|i| state[i] = end[i]);
         },
     )
 }
 
 /// The entries of the state that move.
 #[inline(always)]
-fn each<const MOTOR: bool, const LINK: bool, const MODES: usize>(mut f: impl FnMut(usize)) {
+fn each<const MOTOR: bool, const LINK: bool>(mut f: impl FnMut(usize)) {
     if MOTOR {
         f(0);
         f(1);
@@ -86,33 +80,24 @@ fn each<const MOTOR: bool, const LINK: bool, const MODES: usize>(mut f: impl FnM
         f(2);
         f(3);
     }
-    for i in 4..4 + 2 * MODES {
-        f(i);
-    }
 }
 
 #[inline(always)]
-fn slope<const MOTOR: bool, const LINK: bool, const MODES: usize>(
-    instant: &Instant,
-    state: &State,
-) -> State {
-    let mut slope = [0.0; size_of::<State>() / size_of::<f64>()];
+fn slope<const MOTOR: bool, const LINK: bool>(instant: &Instant, state: &State) -> State {
+    let mut slope: State = [0.0; 4];
     if MOTOR {
         (slope[0], slope[1]) = (state[1], instant.motor);
     }
     if LINK {
         (slope[2], slope[3]) = (state[3], instant.link);
     }
-    for k in 0..MODES {
-        (slope[4 + 2 * k], slope[5 + 2 * k]) = (state[5 + 2 * k], instant.modes[k]);
-    }
     slope
 }
 
 /// A step of length `h` from a state with its accelerations. `MOTOR`, `LINK`: whether these have a state;
-/// `LAWS`: whether there is more than the linear chain; `MODES`: the number of further modes.
+/// `LAWS`: whether there is more than the linear chain.
 #[inline(always)]
-fn trial<const MOTOR: bool, const LINK: bool, const LAWS: bool, const MODES: usize>(
+fn trial<const MOTOR: bool, const LINK: bool, const LAWS: bool>(
     chain: &Chain,
     constants: &Constants,
     span: &Span,
@@ -122,23 +107,20 @@ fn trial<const MOTOR: bool, const LINK: bool, const LAWS: bool, const MODES: usi
 ) -> Trial {
     let moved = |slope: &State, h: f64| {
         let mut moved = *state;
-        each::<MOTOR, LINK, MODES>(|i| moved[i] += h * slope[i]);
+        each::<MOTOR, LINK>(|i| moved[i] += h * slope[i]);
         moved
     };
     let evaluate = |state: &State, (time, input): (f64, [f64; 3])| {
         let instant = chain.evaluate::<LAWS>(constants, time, state, input);
-        (
-            slope::<MOTOR, LINK, MODES>(&instant, state),
-            instant.holding,
-        )
+        (slope::<MOTOR, LINK>(&instant, state), instant.holding)
     };
     let half = span.at(0.5 * h);
-    let k1 = slope::<MOTOR, LINK, MODES>(start, state);
+    let k1 = slope::<MOTOR, LINK>(start, state);
     let (k2, _) = evaluate(&moved(&k1, 0.5 * h), half);
     let (k3, middle) = evaluate(&moved(&k2, 0.5 * h), half);
     let (k4, last) = evaluate(&moved(&k3, h), span.at(h));
     let (mut end, mut k23) = (*state, k2);
-    each::<MOTOR, LINK, MODES>(|i| {
+    each::<MOTOR, LINK>(|i| {
         k23[i] += k3[i];
         end[i] += h / 6.0 * (k1[i] + 2.0 * k23[i] + k4[i]);
     });

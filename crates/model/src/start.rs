@@ -1,15 +1,16 @@
 //! The start of a motion: in equilibrium with the motor side, or held by friction.
 
-use super::chain::{Chain, MotorSide, RESONANCES, State, coordinate};
+use super::chain::{Chain, MotorSide, State, coordinate};
 use super::departure::{
     Departure,
     StartComponent::{Deformation, DeformationRate, Mode, ModeRate, MotorPosition, MotorVelocity},
 };
 use super::experiment::Experiment;
+use super::further_modes::ModeStates;
 use super::piecewise::Grid;
 use crate::effects::Memory;
 
-/// The state at the first node: in equilibrium with the motor side, plus the departure.
+/// The state at the first node, and that of further modes: in equilibrium with the motor side, plus the departure.
 ///
 /// Friction holds a link anywhere in a band about the equilibrium without friction: the departure says where. A
 /// link whose motor side rests has the velocity 0 exactly, so that it sticks there.
@@ -18,8 +19,8 @@ pub(super) fn start(
     grid: &Grid,
     experiment: &Experiment,
     departure: &Departure,
-) -> State {
-    let mut state = [0.0; size_of::<State>() / size_of::<f64>()];
+) -> (State, ModeStates) {
+    let mut state: State = [0.0; 4];
     let input = grid.input.first().map_or([0.0; 3], |cubic| cubic.at(0.0));
     state[0] = experiment.initial[0] + departure[MotorPosition];
     state[1] = experiment.initial[1] + departure[MotorVelocity];
@@ -35,11 +36,9 @@ pub(super) fn start(
     }
     state[2] += departure[Deformation];
     state[3] += departure[DeformationRate];
-    for mode in 0..chain.resonances.len().min(RESONANCES) {
-        state[4 + 2 * mode] = motion.motor[0] + departure[Mode(mode)];
-        state[5 + 2 * mode] = motion.motor[1] + departure[ModeRate(mode)];
-    }
-    state
+    let [u, v] = motion.motor;
+    let modes = std::array::from_fn(|k| [u + departure[Mode(k)], v + departure[ModeRate(k)]]);
+    (state, modes)
 }
 
 /// Whether the motor side rests over the first radian of the mode: the slope of its recorded positions is within three

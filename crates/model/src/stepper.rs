@@ -97,7 +97,7 @@ impl<'a> Stepper<'a> {
         Self {
             smooth: corners.is_empty() && chain.frictions.is_empty(),
             linear: chain.is_linear(),
-            given: chain.linear.link_is_input && chain.resonances.is_empty(),
+            given: chain.linear.link_is_input,
             chain,
             constants,
             step,
@@ -225,7 +225,7 @@ impl<'a> Stepper<'a> {
             self.accept(state, span.from, input, h);
             if span.from < to {
                 start = self.settle(state, &span);
-                trace.push(&start, state);
+                trace.push(&start, &span);
             }
         }
     }

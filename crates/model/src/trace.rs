@@ -1,6 +1,8 @@
 //! A simulated motion at the nodes of its grid and at its events between them.
 
-use super::chain::{Instant, RESONANCES, State};
+use super::chain::{Chain, Instant};
+use super::piecewise::Cubic;
+use super::runge_kutta::Span;
 
 /// Position, velocity and acceleration.
 pub type Kinematics = [f64; 3];
@@ -15,26 +17,31 @@ pub struct Trace {
     pub motor: Vec<Kinematics>,
     /// Link; the motor side again where there is none.
     pub link: Vec<Kinematics>,
-    /// Further modes; empty where there are none.
-    pub modes: Vec<[Kinematics; RESONANCES]>,
     /// Force of the drive on the motor side; where the link's position is the input, the force that holds it
     /// there.
     pub force: Vec<f64>,
+    /// Position and velocity of the motor side as the transmission sees it; empty where that is what an encoder sees.
+    pub transmitted: Vec<[f64; 2]>,
+    /// The input from the node on; empty where it does not drive the link.
+    pub input: Vec<Cubic>,
 }
 
 impl Trace {
-    pub(super) fn with_capacity(nodes: usize, modes: bool) -> Self {
+    /// An empty one of a chain, with room for so many nodes.
+    pub(super) fn of(chain: &Chain, nodes: usize) -> Self {
+        let room = |needed: bool| if needed { nodes } else { 0 };
         Self {
             time: Vec::with_capacity(nodes),
             motor: Vec::with_capacity(nodes),
             link: Vec::with_capacity(nodes),
-            modes: Vec::with_capacity(if modes { nodes } else { 0 }),
             force: Vec::with_capacity(nodes),
+            transmitted: Vec::with_capacity(room(!chain.kinematics.is_empty())),
+            input: Vec::with_capacity(room(chain.linear.link_gain != 0.0)),
         }
     }
 
-    /// Adds a node, unless it is not later than the last one.
-    pub(super) fn push(&mut self, instant: &Instant, state: &State) {
+    /// Adds the node at the start of a span, unless it is not later than the last one.
+    pub(super) fn push(&mut self, instant: &Instant, span: &Span) {
         if self
             .time
             .last()
@@ -48,9 +55,11 @@ impl Trace {
         self.motor.push([u, v, instant.motor]);
         self.link.push([y, rate, instant.link]);
         self.force.push(instant.force);
-        if self.modes.capacity() > 0 {
-            let mode = |k: usize| [state[4 + 2 * k], state[5 + 2 * k], instant.modes[k]];
-            self.modes.push(std::array::from_fn(mode));
+        if self.transmitted.capacity() > 0 {
+            self.transmitted.push(instant.motion.motor);
+        }
+        if self.input.capacity() > 0 {
+            self.input.push(span.input.shifted(span.from - span.t0));
         }
     }
 
@@ -61,7 +70,8 @@ impl Trace {
         self.motor.drain(..gone);
         self.link.drain(..gone);
         self.force.drain(..gone);
-        self.modes.drain(..gone.min(self.modes.len()));
+        self.transmitted.drain(..gone.min(self.transmitted.len()));
+        self.input.drain(..gone.min(self.input.len()));
     }
 }
 

@@ -110,7 +110,7 @@ fn felt(effect: &Effect, place: Place, values: &[f64], state: &State, time: f64)
 
 /// The chain where an effect of a slot sees a coordinate and nothing else moves.
 fn state_of(slot: Slot, place: Place, x: f64) -> (State, f64) {
-    let (mut state, mut time): (State, f64) = ([0.0; 8], 0.0);
+    let (mut state, mut time): (State, f64) = ([0.0; 4], 0.0);
     match (slot, place) {
         (Slot::Friction, Place::Drive) => (state[1], state[3]) = (x, x),
         (Slot::Friction, _) => state[3] = x,

@@ -79,7 +79,7 @@ fn simulate(linear: Linear, law: Law, place: Place, step: f64) -> Trace {
         }
         _ => {}
     }
-    let state: State = [0.0; 8];
+    let state: State = [0.0; 4];
     integrate(&mut chain, &grid(linear, step), state, &timed)
 }
 
@@ -105,7 +105,7 @@ fn differences(linear: Linear, a: &Trace, b: &Trace) -> (f64, f64) {
     let bare = integrate(
         &mut Chain::new(linear),
         &grid(linear, 0.1),
-        [0.0; 8],
+        [0.0; 4],
         &Timed::default(),
     );
     (largest(a, b), largest(a, &bare))
@@ -212,7 +212,7 @@ fn a_neutral_learned_law_is_the_baseline_to_the_bit() {
             if !matches!(law, Law::Friction(_)) {
                 let found = simulate(linear, law, place, 0.1);
                 let grid = grid(linear, 0.1);
-                let bare = integrate(&mut Chain::new(linear), &grid, [0.0; 8], &Timed::default());
+                let bare = integrate(&mut Chain::new(linear), &grid, [0.0; 4], &Timed::default());
                 assert!(found.link == bare.link, "{} {}", effect.name, place.name());
             }
         }
@@ -272,7 +272,7 @@ fn a_link_comes_back_from_beyond_what_was_visited() {
     };
     let (place, memory) = (Place::Transmission, Memory::default());
     chain.forces.push(ForceElement { place, law, memory });
-    let state: State = [0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let state: State = [0.0, 0.0, 0.5, 0.0];
     let zeros = [0.0; 401];
     let time: Vec<f64> = (0..401).map(|k| f64::from(k) * 0.2).collect();
     let grid = Grid::new(&time, &zeros, Hold::Spline, 0.05).unwrap();
@@ -502,7 +502,7 @@ fn free_vibration_dies_out_in_maxwell_slip() {
     });
     let time: Vec<f64> = (0..=400).map(|k| 0.1 * f64::from(k)).collect();
     let grid = Grid::new(&time, &vec![0.0; time.len()], Hold::Linear, 0.1).unwrap();
-    let mut start: State = [0.0; 8];
+    let mut start: State = [0.0; 4];
     start[3] = 0.1;
     let trace = integrate(&mut chain, &grid, start, &Timed::default());
     let amplitudes: Vec<f64> = trace

@@ -2,9 +2,9 @@
 //! to the springs.
 
 use nalgebra::{Complex, Matrix4, Vector4};
-use quell_model::Kind;
-use quell_model::chain::{Chain, State};
+use quell_model::chain::Chain;
 use quell_model::effects::Resonance;
+use quell_model::{FurtherModes, Kind, Trace};
 use quell_recording::Role;
 use std::f64::consts::TAU;
 
@@ -47,19 +47,32 @@ fn mode(pole: Complex<f64>) -> [f64; 2] {
 fn of_chain(damping_coupling: f64, s: Complex<f64>) -> [Complex<f64>; 2] {
     let ([w, xi], [natural_frequency, damping_ratio]) = (mode(poles()[0]), mode(poles()[1]));
     let joint = Kind::from_name("flexible_joint").unwrap();
-    let mut chain = Chain::new((joint.linear)(&[w / TAU, xi], Role::MotorPosition));
-    chain.resonances.push(Resonance {
+    let chain = Chain::new((joint.linear)(&[w / TAU, xi], Role::MotorPosition));
+    let law = Resonance {
         natural_frequency,
         damping_ratio,
-        share: 0.0,
+        share: 1.0,
         damping_coupling,
-    });
+    };
+    let modes = FurtherModes {
+        laws: vec![law],
+        ..FurtherModes::default()
+    };
     // State: position and velocity of the first mode, then of the further one.
     let accelerations = |k: usize| {
-        let mut state: State = [0.0; 8];
-        state[2 + k] = 1.0;
-        let instant = chain.instant(0.0, &state, [0.0; 3]);
-        [instant.link, instant.modes[0]]
+        let mut unit = [0.0; 4];
+        unit[k] = 1.0;
+        let [y, v, x, rate] = unit;
+        let link = chain.instant(0.0, &[0.0, 0.0, y, v], [0.0; 3]).link;
+        let standing = Trace {
+            time: vec![0.0, 1.0],
+            motor: vec![[0.0; 3]; 2],
+            link: vec![[y, v, 0.0], [y + v, v, 0.0]],
+            ..Trace::default()
+        };
+        let still = [[0.0; 2]; 2];
+        let seen = modes.seen(&standing, 0..=1, (&still, 1), &mut [[x, rate], [0.0; 2]]);
+        [link, seen.curve[0][1]]
     };
     let mut system = Matrix4::zeros();
     (system[(0, 1)], system[(2, 3)]) = (1.0, 1.0);

@@ -1,0 +1,220 @@
+//! Further modes: the motion drives them, and they do not act on it.
+//!
+//! ```text
+//! eta'' = w^2 (u - eta) + 2 w (xi (u' - eta') + g (u' - y')) + b F
+//! ```
+//!
+//! Motor side `u`, link `y` and input `F` are cubics between two nodes of the motion, so that `eta` is a power series there. A
+//! mode may be faster than the steps of the motion: it has nodes of its own between them.
+//! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section I.8, for the series.
+
+use super::piecewise::{Cubic, RADIANS_A_STEP};
+use super::trace::{Kinematics, Trace};
+use crate::effects::Resonance;
+use std::ops::RangeInclusive;
+
+/// Most further modes of a chain.
+pub const RESONANCES: usize = 2;
+
+/// Position and velocity of each further mode.
+pub type ModeStates = [[f64; 2]; RESONANCES];
+
+/// Radians of the fastest further mode between two nodes. It has a smaller amplitude than the first mode, so that twice the
+/// step of that, with 16 times the relative error of a cubic between the nodes, is enough.
+const RADIANS: f64 = 2.0 * RADIANS_A_STEP;
+
+/// Last power of the series: what is left out changes the frequency by `RADIANS^8 / 9! = 1e-8` of it.
+const ORDER: usize = 8;
+
+/// The further modes of a chain.
+#[derive(Clone, Debug, Default)]
+pub struct FurtherModes {
+    /// Their laws, at most [`RESONANCES`].
+    pub laws: Vec<Resonance>,
+    /// `b`: acceleration of the link by the input.
+    pub link_gain: f64,
+    /// Their states at the first node.
+    pub start: ModeStates,
+}
+
+/// A quantity that sees further modes, at the nodes of a motion and at those that these need.
+#[derive(Debug, Default)]
+pub struct Seen {
+    /// Times of the nodes, s.
+    pub time: Vec<f64>,
+    /// The quantity and its rate.
+    pub curve: Vec<[f64; 2]>,
+    /// The motor side, without its acceleration.
+    pub motor: Vec<Kinematics>,
+}
+
+impl FurtherModes {
+    /// Adds the shares of the modes to a curve (values and rates at the nodes of a motion), between two nodes. Of the modes it
+    /// sees the derivative of this order: 0 of a position. `states` are those at the first of the nodes, and become those at
+    /// the last.
+    pub fn seen(
+        &self,
+        trace: &Trace,
+        nodes: RangeInclusive<usize>,
+        (curve, order): (&[[f64; 2]], usize),
+        states: &mut ModeStates,
+    ) -> Seen {
+        let mut seen = Seen::default();
+        let (first, last) = nodes.into_inner();
+        let fastest = self.laws.iter().map(|law| law.natural_frequency);
+        let step = RADIANS / fastest.fold(0.0, f64::max);
+        for k in first..last {
+            let piece = Piece::new(trace, k);
+            let parts = (piece.length / step).ceil().max(1.0);
+            let part = piece.length / parts;
+            let base = cubic(piece.length, curve[k], curve[k + 1]);
+            for i in 0..parts as usize {
+                let from = i as f64 * part;
+                seen.push(
+                    &piece,
+                    from,
+                    &base,
+                    self.shares(&piece, from, order, states),
+                );
+                self.advance(&piece, from, part, states);
+            }
+        }
+        // The last node has its rates from the piece behind it, where there is one.
+        let (piece, at) = match last + 1 < trace.time.len() {
+            true => (Piece::new(trace, last), 0.0),
+            false => {
+                let piece = Piece::new(trace, last - 1);
+                let at = piece.length;
+                (piece, at)
+            }
+        };
+        let base = Cubic([curve[last][0], curve[last][1], 0.0, 0.0]);
+        let shares = self.shares(&piece, at, order, states);
+        seen.push(&piece, at, &base.shifted(-at), shares);
+        seen
+    }
+
+    /// What the modes add to a quantity and its rate.
+    fn shares(&self, piece: &Piece, at: f64, order: usize, states: &ModeStates) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for (law, &[x, v]) in self.laws.iter().zip(states) {
+            let Cubic(driven) = self.driving(law, piece).shifted(at);
+            let (w, damping) = (
+                law.natural_frequency,
+                2.0 * law.damping_ratio * law.natural_frequency,
+            );
+            let a = driven[0] - damping * v - w * w * x;
+            let jerk = driven[1] - damping * a - w * w * v;
+            let all = [x, v, a, jerk];
+            sum[0] += law.share * all[order];
+            sum[1] += law.share * all[order + 1];
+        }
+        sum
+    }
+
+    fn advance(&self, piece: &Piece, from: f64, h: f64, states: &mut ModeStates) {
+        if piece.length > 0.0 {
+            for (law, state) in self.laws.iter().zip(states) {
+                *state = advanced(law, self.driving(law, piece).shifted(from), *state, h);
+            }
+        }
+    }
+
+    /// The acceleration that drives a mode: all of it that does not depend on the mode.
+    fn driving(&self, law: &Resonance, piece: &Piece) -> Cubic {
+        let Piece {
+            motor: Cubic(u),
+            link: Cubic(y),
+            input: Cubic(input),
+            ..
+        } = piece;
+        let w = law.natural_frequency;
+        let coupled = 2.0 * w * law.damping_coupling;
+        let damped = 2.0 * w * law.damping_ratio + coupled;
+        Cubic(std::array::from_fn(|k| {
+            let own = w * w * u[k] + self.link_gain * input[k];
+            let rate = |c: &[f64; 4]| c.get(k + 1).map_or(0.0, |next| (k + 1) as f64 * next);
+            own + damped * rate(u) - coupled * rate(y)
+        }))
+    }
+}
+
+impl Seen {
+    /// Adds a node, `at` seconds after the start of a piece.
+    fn push(&mut self, piece: &Piece, at: f64, base: &Cubic, shares: [f64; 2]) {
+        let [value, rate, _] = base.at(at);
+        let [u, v, _] = piece.encoder.at(at);
+        self.time.push(piece.start + at);
+        self.curve.push([value + shares[0], rate + shares[1]]);
+        self.motor.push([u, v, 0.0]);
+    }
+}
+
+/// The motion between two nodes.
+struct Piece {
+    /// Its start, s.
+    start: f64,
+    /// Its length, s; 0 at a jump.
+    length: f64,
+    /// Motor side as an encoder sees it.
+    encoder: Cubic,
+    /// Motor side as the transmission sees it.
+    motor: Cubic,
+    /// Link.
+    link: Cubic,
+    /// Input, where it drives the link.
+    input: Cubic,
+}
+
+impl Piece {
+    fn new(trace: &Trace, k: usize) -> Self {
+        let (start, end) = (trace.time[k], trace.time[k + 1]);
+        // Across a jump nothing moves.
+        let length = if end > start.next_up() {
+            end - start
+        } else {
+            0.0
+        };
+        let two = |[x, v, _]: Kinematics| [x, v];
+        let encoder = cubic(length, two(trace.motor[k]), two(trace.motor[k + 1]));
+        let transmitted = trace.transmitted.get(k..k + 2);
+        Self {
+            start,
+            length,
+            encoder,
+            motor: transmitted.map_or(encoder, |own| cubic(length, own[0], own[1])),
+            link: cubic(length, two(trace.link[k]), two(trace.link[k + 1])),
+            input: trace.input.get(k).copied().unwrap_or_default(),
+        }
+    }
+}
+
+/// The cubic through values and rates at two ends, from the first on; a line where they coincide.
+fn cubic(h: f64, from: [f64; 2], to: [f64; 2]) -> Cubic {
+    if h == 0.0 {
+        return Cubic([from[0], from[1], 0.0, 0.0]);
+    }
+    let mean = (to[0] - from[0]) / h;
+    let (c2, c3) = (
+        3.0 * mean - 2.0 * from[1] - to[1],
+        from[1] + to[1] - 2.0 * mean,
+    );
+    Cubic([from[0], from[1], c2 / h, c3 / (h * h)])
+}
+
+/// Position and velocity of a mode after a time, by the power series of `x'' + 2 xi w x' + w^2 x = f`.
+fn advanced(law: &Resonance, Cubic(f): Cubic, [x, v]: [f64; 2], h: f64) -> [f64; 2] {
+    let angle = law.natural_frequency * h;
+    let (damping, stiffness) = (2.0 * law.damping_ratio * angle, angle * angle);
+    let (mut last, mut next, mut power) = (x, h * v, h * h);
+    let (mut position, mut rate) = (x + next, next);
+    for k in 0..ORDER - 1 {
+        let order = (k + 1) as f64;
+        let driven = f.get(k).map_or(0.0, |f| f * power);
+        let new = (driven - damping * order * next - stiffness * last) / (order * (order + 1.0));
+        (last, next, power) = (next, new, power * h);
+        position += new;
+        rate += (order + 1.0) * new;
+    }
+    [position, rate / h]
+}
