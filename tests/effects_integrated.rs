@@ -49,7 +49,7 @@ fn simulate(law: Option<(Law, Place)>, grid: &Grid) -> Option<Motion> {
     let (mut chain, mut timed) = (joint(), Timed::default());
     let start = grid.input[0].at(0.0);
     let mut modes = FurtherModes {
-        start: [[start[0], 0.0]; 2],
+        rest: [start[0], 0.0],
         ..FurtherModes::default()
     };
     match law {
@@ -81,7 +81,7 @@ fn deformation((trace, modes): &Motion) -> Vec<f64> {
     let mut at_samples = Vec::new();
     let still = vec![[0.0; 2]; trace.time.len()];
     let nodes = 0..=trace.time.len() - 1;
-    let seen = modes.seen(trace, nodes, (&still, 0), &mut modes.start.clone());
+    let seen = modes.seen(trace, nodes, (&still, 0), &mut modes.start());
     let mut further = seen.time.iter().zip(&seen.curve);
     for k in 0..trace.time.len() {
         // Of the two nodes at a kick the later one.

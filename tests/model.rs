@@ -152,7 +152,7 @@ fn val_a_further_mode_is_exact_between_the_steps_of_the_motion() {
             ..FurtherModes::default()
         };
         let still = vec![[0.0; 2]; trace.time.len()];
-        let mut start = [[0.01 + spline.value(0.0), spline.derivative(0.0)], [0.0; 2]];
+        let mut start = [[0.01 + spline.value(0.0), spline.derivative(0.0)]];
         let seen = modes.seen(&trace, 0..=still.len() - 1, (&still, 0), &mut start);
         for (&time, [x, v]) in seen.time.iter().zip(&seen.curve) {
             let (deformation, rate) = exact.at(time.min(60.0));

@@ -13,11 +13,8 @@ use super::trace::{Kinematics, Trace};
 use crate::effects::Resonance;
 use std::ops::RangeInclusive;
 
-/// Most further modes of a chain.
+/// Most further modes whose start departs from that of the motor side.
 pub const RESONANCES: usize = 2;
-
-/// Position and velocity of each further mode.
-pub type ModeStates = [[f64; 2]; RESONANCES];
 
 /// Radians of the fastest further mode between two nodes. It has a smaller amplitude than the first mode, so that twice the
 /// step of that, with 16 times the relative error of a cubic between the nodes, is enough.
@@ -29,12 +26,14 @@ const ORDER: usize = 8;
 /// The further modes of a chain.
 #[derive(Clone, Debug, Default)]
 pub struct FurtherModes {
-    /// Their laws, at most [`RESONANCES`].
+    /// Their laws.
     pub laws: Vec<Resonance>,
     /// `b`: acceleration of the link by the input.
     pub link_gain: f64,
-    /// Their states at the first node.
-    pub start: ModeStates,
+    /// Position and velocity of the motor side at the first node.
+    pub rest: [f64; 2],
+    /// Departures of the first modes from it.
+    pub departures: [[f64; 2]; RESONANCES],
 }
 
 /// A quantity that sees further modes, at the nodes of a motion and at those that these need.
@@ -49,6 +48,18 @@ pub struct Seen {
 }
 
 impl FurtherModes {
+    /// Position and velocity of each mode at the first node.
+    pub fn start(&self) -> Vec<[f64; 2]> {
+        let departures = self
+            .departures
+            .into_iter()
+            .chain(std::iter::repeat([0.0; 2]));
+        let [u, v] = self.rest;
+        let each = self.laws.iter().zip(departures);
+        each.map(|(_, [position, rate])| [u + position, v + rate])
+            .collect()
+    }
+
     /// Adds the shares of the modes to a curve (values and rates at the nodes of a motion), between two nodes. Of the modes it
     /// sees the derivative of this order: 0 of a position. `states` are those at the first of the nodes, and become those at
     /// the last.
@@ -57,7 +68,7 @@ impl FurtherModes {
         trace: &Trace,
         nodes: RangeInclusive<usize>,
         (curve, order): (&[[f64; 2]], usize),
-        states: &mut ModeStates,
+        states: &mut [[f64; 2]],
     ) -> Seen {
         let mut seen = Seen::default();
         let (first, last) = nodes.into_inner();
@@ -95,7 +106,7 @@ impl FurtherModes {
     }
 
     /// What the modes add to a quantity and its rate.
-    fn shares(&self, piece: &Piece, at: f64, order: usize, states: &ModeStates) -> [f64; 2] {
+    fn shares(&self, piece: &Piece, at: f64, order: usize, states: &[[f64; 2]]) -> [f64; 2] {
         let mut sum = [0.0; 2];
         for (law, &[x, v]) in self.laws.iter().zip(states) {
             let Cubic(driven) = self.driving(law, piece).shifted(at);
@@ -112,7 +123,7 @@ impl FurtherModes {
         sum
     }
 
-    fn advance(&self, piece: &Piece, from: f64, h: f64, states: &mut ModeStates) {
+    fn advance(&self, piece: &Piece, from: f64, h: f64, states: &mut [[f64; 2]]) {
         if piece.length > 0.0 {
             for (law, state) in self.laws.iter().zip(states) {
                 *state = advanced(law, self.driving(law, piece).shifted(from), *state, h);

@@ -47,7 +47,7 @@ pub use coupling::Coupling;
 pub use departure::{Departure, StartComponent};
 pub use experiment::{Experiment, Output, Window};
 pub use file::ModelError;
-pub use further_modes::{FurtherModes, ModeStates, RESONANCES, Seen};
+pub use further_modes::{FurtherModes, RESONANCES, Seen};
 pub use gain::{Gain, unify as unify_gain};
 pub use input_error::InputError;
 pub use integrate::{Restart, Timed, integrate};

@@ -7,7 +7,7 @@ use super::departure::{
     StartComponent::{Deformation, DeformationRate, MotorPosition, MotorVelocity},
 };
 use super::experiment::{Experiment, Output};
-use super::further_modes::{FurtherModes, RESONANCES};
+use super::further_modes::FurtherModes;
 use super::integrate::{Restart, Timed, integrate, integrate_in_parts};
 use super::piecewise::Grid;
 use super::reading::{Eyes, Prediction, Reader};
@@ -229,7 +229,7 @@ fn ready<'a>(
     let modes = FurtherModes {
         laws,
         link_gain: chain.linear.link_gain,
-        start: modes,
+        ..modes
     };
     let eyes = Eyes {
         sensors,
@@ -277,8 +277,7 @@ fn add(
             timed.breaks.extend(inertia.breaks());
             chain.inertias.push(inertia);
         }
-        Law::Resonance(mode) if modes.len() < RESONANCES => modes.push(mode),
-        Law::Resonance(_) => {}
+        Law::Resonance(mode) => modes.push(mode),
         Law::Impulse(impulse) => timed.impulses.push(impulse),
         Law::Sensor(sensor) => sensors.push(sensor),
     }
@@ -308,7 +307,7 @@ impl Simulated {
         for term in terms.iter().filter(|term| term.acts_in(experiment)) {
             match (term.effect.law)(&term.values) {
                 Law::Sensor(sensor) => sensors.push(sensor),
-                Law::Resonance(mode) if laws.len() < RESONANCES => laws.push(mode),
+                Law::Resonance(mode) => laws.push(mode),
                 _ => {}
             }
         }

@@ -1,7 +1,7 @@
 //! Readings of a simulated motion, at the stamps of the sensors.
 
 use super::experiment::Output;
-use super::further_modes::{FurtherModes, ModeStates};
+use super::further_modes::FurtherModes;
 use super::trace::{Kinematics, Trace, hermite, sloped};
 use crate::effects::{Reading, Sensor};
 use quell_recording::Role;
@@ -89,7 +89,7 @@ pub(super) struct Reader<'a> {
     filtered: Vec<Option<[f64; 2]>>,
     begun: bool,
     /// States of further modes at the first node of the next part.
-    modes: ModeStates,
+    modes: Vec<[f64; 2]>,
     prediction: Prediction,
 }
 
@@ -101,7 +101,7 @@ impl<'a> Reader<'a> {
             offset,
             filtered: vec![None; eyes.of(output).len()],
             begun: false,
-            modes: eyes.modes.start,
+            modes: eyes.modes.start(),
             prediction: Prediction {
                 values: Vec::with_capacity(output.time.len()),
                 rates: Vec::with_capacity(output.time.len()),

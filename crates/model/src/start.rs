@@ -6,11 +6,11 @@ use super::departure::{
     StartComponent::{Deformation, DeformationRate, Mode, ModeRate, MotorPosition, MotorVelocity},
 };
 use super::experiment::Experiment;
-use super::further_modes::ModeStates;
+use super::further_modes::FurtherModes;
 use super::piecewise::Grid;
 use crate::effects::Memory;
 
-/// The state at the first node, and that of further modes: in equilibrium with the motor side, plus the departure.
+/// The state at the first node, and the start of further modes: in equilibrium with the motor side, plus the departure.
 ///
 /// Friction holds a link anywhere in a band about the equilibrium without friction: the departure says where. A
 /// link whose motor side rests has the velocity 0 exactly, so that it sticks there.
@@ -19,7 +19,7 @@ pub(super) fn start(
     grid: &Grid,
     experiment: &Experiment,
     departure: &Departure,
-) -> (State, ModeStates) {
+) -> (State, FurtherModes) {
     let mut state: State = [0.0; 4];
     let input = grid.input.first().map_or([0.0; 3], |cubic| cubic.at(0.0));
     state[0] = experiment.initial[0] + departure[MotorPosition];
@@ -36,8 +36,11 @@ pub(super) fn start(
     }
     state[2] += departure[Deformation];
     state[3] += departure[DeformationRate];
-    let [u, v] = motion.motor;
-    let modes = std::array::from_fn(|k| [u + departure[Mode(k)], v + departure[ModeRate(k)]]);
+    let modes = FurtherModes {
+        rest: motion.motor,
+        departures: std::array::from_fn(|k| [departure[Mode(k)], departure[ModeRate(k)]]),
+        ..FurtherModes::default()
+    };
     (state, modes)
 }
 

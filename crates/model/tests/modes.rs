@@ -3,9 +3,9 @@
 
 use nalgebra::{Complex, Matrix4, Vector4};
 use quell_model::chain::Chain;
-use quell_model::effects::Resonance;
-use quell_model::{FurtherModes, Kind, Trace};
-use quell_recording::Role;
+use quell_model::effects::{Effect, Place, Resonance};
+use quell_model::{Departure, Experiment, FurtherModes, Kind, Model, Term, Trace, simulate};
+use quell_recording::{Channel, Recording, Role};
 use std::f64::consts::TAU;
 
 /// Inertia, stiffness, damping of the first and the second body: 8 Hz and 0.05 of the first alone.
@@ -71,7 +71,7 @@ fn of_chain(damping_coupling: f64, s: Complex<f64>) -> [Complex<f64>; 2] {
             ..Trace::default()
         };
         let still = [[0.0; 2]; 2];
-        let seen = modes.seen(&standing, 0..=1, (&still, 1), &mut [[x, rate], [0.0; 2]]);
+        let seen = modes.seen(&standing, 0..=1, (&still, 1), &mut [[x, rate]]);
         [link, seen.curve[0][1]]
     };
     let mut system = Matrix4::zeros();
@@ -112,4 +112,55 @@ fn val_dampers_in_no_proportion_couple_the_modes() {
     let (without, with) = (error(share, 0.0), error(share, coupling));
     println!("largest error: {without} of the further mode without coupling, {with} with it");
     assert!(without > 0.15 && with < 0.1 * without, "{without} {with}");
+}
+
+/// Modes do not act on each other: the change that any number of them makes is the sum of the changes that each makes.
+#[test]
+fn any_number_of_modes_add_up() {
+    let model = "kind = \"flexible_joint\"\nnatural_frequency_hz = 8.0\ndamping_ratio = 0.05\n";
+    let model = Model::from_toml(model, "model.toml").unwrap();
+    let time: Vec<f64> = (0..800).map(|k| 0.004 * f64::from(k)).collect();
+    let values = |f: fn(f64) -> f64| vec![time.iter().map(|&t| f(t)).collect::<Vec<f64>>()];
+    let channel = |role, columns| Channel {
+        role,
+        unit: "rad".into(),
+        time: time.clone(),
+        columns,
+    };
+    let recording = Recording {
+        name: "move".into(),
+        payload: None,
+        channels: vec![
+            channel(
+                Role::MotorPosition,
+                values(|t| 0.3 * (2.0 * t).sin().powi(3)),
+            ),
+            channel(Role::LinkPosition, values(|t| 0.1 * t)),
+        ],
+    };
+    let experiment = Experiment::new(&model, &recording).unwrap();
+    let effect = Effect::from_name("second_mode").unwrap();
+    let modes = [(0.1, 3.0), (-0.05, 21.0), (0.02, 95.0)];
+    let modes =
+        modes.map(|(share, hz)| Term::new(effect, Place::Link, vec![share, hz * TAU, 0.03, 0.0]));
+    let shown = |terms: &[Term]| {
+        let simulated = simulate(
+            model.kind,
+            &model.keys(),
+            terms,
+            &experiment,
+            &Departure::default(),
+        );
+        simulated.predict(&experiment.outputs[0], 0.0).values
+    };
+    let (bare, all) = (shown(&[]), shown(&modes));
+    let each = modes.map(|mode| shown(&[mode]));
+    for k in 0..bare.len() {
+        let sum: f64 = each.iter().map(|own| own[k] - bare[k]).sum();
+        assert!(
+            (all[k] - bare[k] - sum).abs() < 1e-12,
+            "{k}: {} {sum}",
+            all[k] - bare[k]
+        );
+    }
 }
