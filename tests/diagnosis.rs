@@ -4,7 +4,7 @@
 #[path = "absent/shared.rs"]
 mod shared;
 
-use quell::diagnosis::{Diagnosis, Options, Outcome, Verdict, diagnose, score};
+use quell::diagnosis::{Diagnosis, FittedParameter, Options, Outcome, Verdict, diagnose, score};
 use quell::model::{Experiment, Model};
 use quell::proof::{FindingSummary, Judgement, Kind, generate_kind, read_cases, read_truths};
 use quell::recording::{Recording, Role};
@@ -131,6 +131,43 @@ fn recordings_are_held_out_as_a_whole() {
         "{names:?}"
     );
     assert!(!apart.traces.outputs[0].name.contains(':'));
+}
+
+/// Stretches that judged which effects are told are fitted in the end: values and intervals are those of a fit that had all
+/// rows from the beginning, since another recording was held out. A fit to two thirds of them would be .7 deviations off.
+#[test]
+fn what_is_told_is_fitted_to_the_whole_recording() {
+    let case = generate_kind(Kind::Single, 3, 0).unwrap();
+    let model = Model::from_toml(&case.model, "model.toml").unwrap();
+    let run = |held_out: &[Recording]| {
+        let train = std::slice::from_ref(&case.train);
+        let options = Options::default();
+        diagnose(&model, train, held_out, &options, &|_, _| {}).unwrap()
+    };
+    let [stretches, apart] = [run(&[]), run(std::slice::from_ref(&case.test))];
+    let parameters = |outcome: &Outcome| {
+        let findings = outcome.diagnosis.findings.iter();
+        let each = findings.flat_map(|own| own.parameters.iter().cloned());
+        each.collect::<Vec<_>>()
+    };
+    let [found, all] = [&stretches, &apart].map(parameters);
+    assert!(
+        !found.is_empty() && found.len() == all.len(),
+        "{found:?} {all:?}"
+    );
+    for (own, other) in found.iter().zip(&all) {
+        assert_eq!(own.name, other.name);
+        let width = |of: &FittedParameter| of.ci95[1] - of.ci95[0];
+        let deviation = width(other) / (2.0 * 1.96);
+        assert!(
+            (own.value - other.value).abs() < 0.2 * deviation,
+            "{own:?} {other:?}"
+        );
+        assert!(
+            (width(own) / width(other) - 1.0).abs() < 0.05,
+            "{own:?} {other:?}"
+        );
+    }
 }
 
 /// A model that already holds an effect at its neutral size simulates as the model without it does, to

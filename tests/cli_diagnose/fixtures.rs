@@ -7,22 +7,21 @@ use quell::proof::{Case, Kind, generate_kind};
 use quell::recording::{Channel, Recording, Role};
 use std::sync::OnceLock;
 
-const SEED: u64 = 5;
-/// A kind of cases, and what one of them hides.
-type Hidden = (Kind, &'static [&'static str]);
+/// A kind of cases, what one of them hides, and a seed whose first cases have it: each takes half a second to make.
+type Hidden = (Kind, &'static [&'static str], u64);
 /// A machine that lacks nothing, one with a law of the catalogue, and one with a law that no catalogue holds.
-pub const CLEAN: Hidden = (Kind::Clean, &[]);
-pub const DAMPED: Hidden = (Kind::Single, &["quadratic_damping"]);
-const DRAGGED: Hidden = (Kind::Single, &["viscous_drag"]);
-const OUTSIDE: Hidden = (Kind::Outside, &["parametric_stiffness"]);
+pub const CLEAN: Hidden = (Kind::Clean, &[], 5);
+pub const DAMPED: Hidden = (Kind::Single, &["quadratic_damping"], 6);
+const DRAGGED: Hidden = (Kind::Single, &["viscous_drag"], 2);
+const OUTSIDE: Hidden = (Kind::Outside, &["parametric_stiffness"], 5);
 
 /// The first case of the generator that hides these effects.
 pub fn case(hidden: Hidden) -> Case {
     cases(hidden).next().unwrap()
 }
 
-fn cases((kind, hidden): Hidden) -> impl Iterator<Item = Case> {
-    let cases = (0..).map(move |index| generate_kind(kind, SEED, index).unwrap());
+fn cases((kind, hidden, seed): Hidden) -> impl Iterator<Item = Case> {
+    let cases = (0..).map(move |index| generate_kind(kind, seed, index).unwrap());
     cases.filter(move |case| {
         let effects = case.truth.effects.iter();
         effects
