@@ -169,6 +169,22 @@ fn a_further_mode_is_found_wherever_it_is() {
     }
 }
 
+/// Loads on strings between those that the search begins with: 2 m to 10 cm.
+#[test]
+fn a_swinging_load_is_found_on_every_string() {
+    let effect = Effect::from_name("swinging_load").unwrap();
+    let frequency = effect.index(ParameterRole::Frequency).unwrap();
+    let machine = joint();
+    for frequency_hz in [0.35, 0.65, 1.0, 1.6] {
+        let mut term = typical(&machine, effect, Place::Link, 1.0);
+        term.values[frequency] = frequency_hz * TAU;
+        let said = outcome(&machine, &[conceal(&machine, term, 1).recording]).diagnosis;
+        println!("{frequency_hz} Hz: {}", said.summary);
+        let found = found(&said, effect, Place::Link);
+        assert_eq!(found, Found::First, "{frequency_hz} Hz");
+    }
+}
+
 /// Knocks against a machine at these times, this hard; so short that the velocity jumps.
 fn knocks(machine: &Machine, all: &[(f64, f64)]) -> Vec<Term> {
     let effect = Effect::from_name("external_disturbance").unwrap();

@@ -173,8 +173,22 @@ pub const SWINGING_LOAD: Effect = Effect {
     starts: |scales| {
         let steps = 6;
         let ratio = (FASTEST / SLOWEST).powf(1.0 / f64::from(steps));
-        let frequencies: Vec<f64> = (0..steps).map(|k| SLOWEST * ratio.powi(k)).collect();
-        let tilts = [0.1, 1.0].map(|tilt| tilt / scales.acceleration);
-        product(&[&[0.1], &frequencies, &[0.05], &tilts])
+        let coarse = (0..steps).map(|k| SLOWEST * ratio.powi(k));
+        // In a long recording a fit only finds a frequency that is nearer than that.
+        let shown = scales.candidate_frequencies.iter().copied();
+        let shown = shown.filter(|own| (SLOWEST..=FASTEST).contains(own));
+        let frequencies: Vec<f64> = shown.chain(coarse).collect();
+        let swings = [0.1, 1.0].map(|angle: f64| {
+            // A swing of some angle is slower than a small one, by a sixteenth of its square.
+            let small = 1.0 / (1.0 - angle * angle / 16.0);
+            let frequencies: Vec<f64> = frequencies.iter().map(|own| small * own).collect();
+            product(&[
+                &[0.1],
+                &frequencies,
+                &[0.05],
+                &[angle / scales.acceleration],
+            ])
+        });
+        swings.concat()
     },
 };
