@@ -5,7 +5,7 @@
 
 use quell::effects::{CandidateStop, EFFECTS, LEARNED, Law, Memory, Place, Scales};
 use quell::model::chain::{Chain, ForceElement, FrictionElement};
-use quell::model::{Grid, Hold, Kind, Timed, integrate};
+use quell::model::{FurtherModes, Grid, Hold, Kind, Timed, integrate};
 use quell::recording::Role;
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -15,6 +15,8 @@ const RATE: f64 = 250.0;
 const SECONDS: f64 = 13.0;
 const FREQUENCY_HZ: f64 = 8.2;
 const RUNS: usize = 300;
+/// More nodes than a motion has beside those of its grid.
+const MOST_EVENTS: usize = 10_000;
 
 /// Jerk-free at its ends.
 fn smooth_move(t: f64, duration: f64) -> f64 {
@@ -56,12 +58,15 @@ fn scales() -> Scales {
     }
 }
 
-/// A chain with a law in it; none where the law is not in the chain.
-fn chain(law: Option<(Law, Place)>) -> Option<(Chain, Timed)> {
+/// A chain, what happens to it, and what it drives.
+type Machine = (Chain, Timed, FurtherModes);
+
+/// A machine with a law; none where the law is outside it.
+fn machine(law: Option<(Law, Place)>) -> Option<Machine> {
     let joint = Kind::from_name("flexible_joint").unwrap();
     let keys = [FREQUENCY_HZ, 0.06, 1.0, 0.0];
     let mut chain = Chain::new((joint.linear)(&keys, Role::MotorPosition));
-    let mut timed = Timed::default();
+    let (mut timed, mut modes) = (Timed::default(), FurtherModes::default());
     match law {
         None => {}
         Some((Law::Force(law), place)) => {
@@ -79,20 +84,25 @@ fn chain(law: Option<(Law, Place)>) -> Option<(Chain, Timed)> {
             chain.inertias.push(inertia);
         }
         Some((Law::Kinematic(error), _)) => chain.kinematics.push(error),
-        Some((Law::Resonance(mode), _)) => chain.resonances.push(mode),
+        Some((Law::Resonance(mode), _)) => modes.laws.push(mode),
         Some((Law::Impulse(impulse), _)) => timed.impulses.push(impulse),
         Some((Law::Drive(_) | Law::Sensor(_), _)) => return None,
     }
-    Some((chain, timed))
+    Some((chain, timed, modes))
 }
 
 /// Least time of a simulation, s.
-fn time(grid: &Grid, build: impl Fn() -> Option<(Chain, Timed)>) -> Option<f64> {
+fn time(grid: &Grid, build: impl Fn() -> Option<Machine>) -> Option<f64> {
+    let still = vec![[0.0; 2]; grid.time.len() + MOST_EVENTS];
     let mut least = f64::INFINITY;
     for _ in 0..RUNS {
-        let (mut chain, timed) = build()?;
+        let (mut chain, timed, modes) = build()?;
         let start = Instant::now();
-        black_box(integrate(&mut chain, grid, [0.0; 8], &timed));
+        let trace = black_box(integrate(&mut chain, grid, [0.0; 4], &timed));
+        if !modes.laws.is_empty() {
+            let nodes = 0..=trace.time.len() - 1;
+            black_box(modes.seen(&trace, nodes, (&still, 0), &mut modes.start()));
+        }
         least = least.min(start.elapsed().as_secs_f64());
     }
     Some(least)
@@ -101,7 +111,7 @@ fn time(grid: &Grid, build: impl Fn() -> Option<(Chain, Timed)>) -> Option<f64> 
 fn main() {
     let grid = grid();
     let steps = grid.input.len() as f64;
-    let Some(linear) = time(&grid, || chain(None)) else {
+    let Some(linear) = time(&grid, || machine(None)) else {
         return;
     };
     let tell = |name: &str, place: &str, time: f64| {
@@ -118,7 +128,7 @@ fn main() {
             let scales = scales();
             let values = effect.parameters.iter().map(|p| (p.typical)(&scales));
             let values: Vec<f64> = values.collect();
-            if let Some(time) = time(&grid, || chain(Some(((effect.law)(&values), place)))) {
+            if let Some(time) = time(&grid, || machine(Some(((effect.law)(&values), place)))) {
                 tell(effect.name, place.name(), time);
             }
         }
