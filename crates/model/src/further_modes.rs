@@ -20,6 +20,9 @@ pub const RESONANCES: usize = 2;
 /// step of that, with 16 times the relative error of a cubic between the nodes, is enough.
 const RADIANS: f64 = 2.0 * RADIANS_A_STEP;
 
+/// Most nodes of the modes in a step of the motion: no fit looks for a mode of more than 50 radians a step.
+const MOST: f64 = 100.0;
+
 /// Last power of the series: what is left out changes the frequency by `RADIANS^8 / 9! = 1e-8` of it.
 const ORDER: usize = 8;
 
@@ -76,32 +79,22 @@ impl FurtherModes {
         let step = RADIANS / fastest.fold(0.0, f64::max);
         for k in first..last {
             let piece = Piece::new(trace, k);
-            let parts = (piece.length / step).ceil().max(1.0);
+            let parts = (piece.length / step).ceil().clamp(1.0, MOST);
             let part = piece.length / parts;
             let base = cubic(piece.length, curve[k], curve[k + 1]);
             for i in 0..parts as usize {
                 let from = i as f64 * part;
-                seen.push(
-                    &piece,
-                    from,
-                    &base,
-                    self.shares(&piece, from, order, states),
-                );
+                let shares = self.shares(&piece, from, order, states);
+                seen.push(&piece, from, &base, shares);
                 self.advance(&piece, from, part, states);
             }
         }
         // The last node has its rates from the piece behind it, where there is one.
-        let (piece, at) = match last + 1 < trace.time.len() {
-            true => (Piece::new(trace, last), 0.0),
-            false => {
-                let piece = Piece::new(trace, last - 1);
-                let at = piece.length;
-                (piece, at)
-            }
-        };
-        let base = Cubic([curve[last][0], curve[last][1], 0.0, 0.0]);
-        let shares = self.shares(&piece, at, order, states);
-        seen.push(&piece, at, &base.shifted(-at), shares);
+        let is_end = last + 1 == trace.time.len();
+        let piece = Piece::new(trace, if is_end { last - 1 } else { last });
+        let at = if is_end { piece.length } else { 0.0 };
+        let base = Cubic([curve[last][0], curve[last][1], 0.0, 0.0]).shifted(-at);
+        seen.push(&piece, at, &base, self.shares(&piece, at, order, states));
         seen
     }
 
@@ -216,6 +209,11 @@ fn cubic(h: f64, from: [f64; 2], to: [f64; 2]) -> Cubic {
 /// Position and velocity of a mode after a time, by the power series of `x'' + 2 xi w x' + w^2 x = f`.
 fn advanced(law: &Resonance, Cubic(f): Cubic, [x, v]: [f64; 2], h: f64) -> [f64; 2] {
     let angle = law.natural_frequency * h;
+    if angle > 2.0 * RADIANS {
+        // A mode that is too fast for its nodes rests in what drives it.
+        let [value, rate, _] = Cubic(f).at(h);
+        return [value, rate].map(|own| own / law.natural_frequency.powi(2));
+    }
     let (damping, stiffness) = (2.0 * law.damping_ratio * angle, angle * angle);
     let (mut last, mut next, mut power) = (x, h * v, h * h);
     let (mut position, mut rate) = (x + next, next);

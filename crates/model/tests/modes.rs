@@ -114,9 +114,8 @@ fn val_dampers_in_no_proportion_couple_the_modes() {
     assert!(without > 0.15 && with < 0.1 * without, "{without} {with}");
 }
 
-/// Modes do not act on each other: the change that any number of them makes is the sum of the changes that each makes.
-#[test]
-fn any_number_of_modes_add_up() {
+/// A joint, a move of it, and what its sensor shows with some modes.
+fn shown(modes: &[(f64, f64)]) -> Vec<f64> {
     let model = "kind = \"flexible_joint\"\nnatural_frequency_hz = 8.0\ndamping_ratio = 0.05\n";
     let model = Model::from_toml(model, "model.toml").unwrap();
     let time: Vec<f64> = (0..800).map(|k| 0.004 * f64::from(k)).collect();
@@ -140,19 +139,25 @@ fn any_number_of_modes_add_up() {
     };
     let experiment = Experiment::new(&model, &recording).unwrap();
     let effect = Effect::from_name("second_mode").unwrap();
-    let modes = [(0.1, 3.0), (-0.05, 21.0), (0.02, 95.0)];
-    let modes =
-        modes.map(|(share, hz)| Term::new(effect, Place::Link, vec![share, hz * TAU, 0.03, 0.0]));
-    let shown = |terms: &[Term]| {
-        let simulated = simulate(
-            model.kind,
-            &model.keys(),
-            terms,
-            &experiment,
-            &Departure::default(),
-        );
-        simulated.predict(&experiment.outputs[0], 0.0).values
+    let mode = |&(share, hz): &(f64, f64)| {
+        Term::new(effect, Place::Link, vec![share, hz * TAU, 0.03, 0.0])
     };
+    let terms: Vec<Term> = modes.iter().map(mode).collect();
+    let keys = model.keys();
+    let simulated = simulate(
+        model.kind,
+        &keys,
+        &terms,
+        &experiment,
+        &Departure::default(),
+    );
+    simulated.predict(&experiment.outputs[0], 0.0).values
+}
+
+/// Modes do not act on each other: the change that any number of them makes is the sum of the changes that each makes.
+#[test]
+fn any_number_of_modes_add_up() {
+    let modes = [(0.1, 3.0), (-0.05, 21.0), (0.02, 95.0)];
     let (bare, all) = (shown(&[]), shown(&modes));
     let each = modes.map(|mode| shown(&[mode]));
     for k in 0..bare.len() {
@@ -161,6 +166,20 @@ fn any_number_of_modes_add_up() {
             (all[k] - bare[k] - sum).abs() < 1e-12,
             "{k}: {} {sum}",
             all[k] - bare[k]
+        );
+    }
+}
+
+/// A mode far above the samples moves as the motor side does, however fast it is.
+#[test]
+fn a_mode_that_is_too_fast_rests_on_its_motor_side() {
+    let fast = [1e4, 1e6, 1e12].map(|hz| shown(&[(1.0, hz)]));
+    for (k, own) in fast[0].iter().enumerate() {
+        let u = 0.3 * (2.0 * 0.004 * k as f64).sin().powi(3);
+        assert!((own - u).abs() < 1e-6, "{k}: {own} {u}");
+        assert!(
+            (fast[1][k] - u).abs() < 1e-6 && (fast[2][k] - u).abs() < 1e-6,
+            "{k}"
         );
     }
 }
