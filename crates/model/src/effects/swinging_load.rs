@@ -181,7 +181,8 @@ pub const SWINGING_LOAD: Effect = Effect {
         let swings = [0.1, 1.0].map(|angle: f64| {
             // A swing of some angle is slower than a small one, by a sixteenth of its square.
             let small = 1.0 / (1.0 - angle * angle / 16.0);
-            let frequencies: Vec<f64> = frequencies.iter().map(|own| small * own).collect();
+            let frequencies = frequencies.iter().map(|own| (small * own).min(FASTEST));
+            let frequencies: Vec<f64> = frequencies.collect();
             product(&[
                 &[0.1],
                 &frequencies,
