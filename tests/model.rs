@@ -85,18 +85,21 @@ fn smooth_move(t: f64, duration: f64, distance: f64) -> f64 {
     distance * s.powi(4) * (35.0 + s * (-84.0 + s * (70.0 - 20.0 * s)))
 }
 
+/// A slow move and the rest after it on steps of 0.15 s, its values, and their spline.
+fn slow_move() -> (Grid, Vec<f64>, CubicSpline) {
+    let input = grid(60.0, 0.15, |t| smooth_move(t, 7.0, 1.0));
+    let moved = |&t: &f64| smooth_move(t, 7.0, 1.0);
+    let values: Vec<f64> = input.time.iter().map(moved).collect();
+    let spline = CubicSpline::new(&input.time, &values, End::NotAKnot).expect("a spline");
+    (input, values, spline)
+}
+
 #[test]
 fn val_free_decay_and_forced_response_are_met_to_the_fourth_order() {
     let mode = Mode::new(1.0, 0.05).expect("a mode");
     let mut errors = Vec::new();
     // The input is one and the same spline of 0.15 s for all steps, which RK4 crosses no knot of.
-    let input = grid(60.0, 0.15, |t| smooth_move(t, 7.0, 1.0));
-    let values: Vec<f64> = input
-        .time
-        .iter()
-        .map(|&t| smooth_move(t, 7.0, 1.0))
-        .collect();
-    let spline = CubicSpline::new(&input.time, &values, End::NotAKnot).expect("a spline");
+    let (input, values, spline) = slow_move();
     let exact = ForcedResponse::new(&spline, mode, false, (0.01, 0.0));
     for parts in [1.0, 2.0, 4.0, 8.0, 16.0] {
         let step = 0.15 / parts * (1.0 + 1e-9);
@@ -130,13 +133,7 @@ fn val_free_decay_and_forced_response_are_met_to_the_fourth_order() {
 /// A further mode of up to 12 radians a step of the motion, whose nodes are the knots of the motor side's spline.
 #[test]
 fn val_a_further_mode_is_exact_between_the_steps_of_the_motion() {
-    let input = grid(60.0, 0.15, |t| smooth_move(t, 7.0, 1.0));
-    let u: Vec<f64> = input
-        .time
-        .iter()
-        .map(|&t| smooth_move(t, 7.0, 1.0))
-        .collect();
-    let spline = CubicSpline::new(&input.time, &u, End::NotAKnot).expect("a spline");
+    let (input, _, spline) = slow_move();
     let trace = run(&mut Chain::new(joint(0.05)), &input, REST);
     for (natural_frequency, damping_ratio) in [(0.3, 0.02), (3.0, 0.0), (20.0, 0.04), (80.0, 0.4)] {
         let mode = Mode::new(natural_frequency, damping_ratio).expect("a mode");

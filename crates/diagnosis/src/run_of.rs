@@ -42,16 +42,10 @@ impl Problem<'_> {
     /// A run of one experiment at a point that differs from that of `run` in one effect only. If the effect
     /// does not act on the motion, that is reused, unless it is coupled to what was read.
     pub fn run_again(&self, point: &Point, experiment: usize, term: usize, run: &Run) -> Run {
-        let own = &point.terms[term];
+        let (own, data) = (&point.terms[term], &self.experiments[experiment]);
         match ((own.effect.law)(&own.values), &run.simulated) {
-            (Law::Sensor(_) | Law::Resonance(_), Some(motion))
-                if self.experiments[experiment].coupling.is_none() =>
-            {
-                self.read(
-                    point,
-                    experiment,
-                    motion.read_by(&point.terms, &self.experiments[experiment]),
-                )
+            (Law::Sensor(_) | Law::Resonance(_), Some(motion)) if data.coupling.is_none() => {
+                self.read(point, experiment, motion.read_by(&point.terms, data))
             }
             _ => self.run(point, experiment),
         }

@@ -54,20 +54,11 @@ impl Coupling {
         }
         let measured = |t: f64| (2.0 * t - shown(t)).clamp(first, last);
         let piece = |ends: &[f64]| {
-            let h = ends[1] - ends[0];
             let at = |t| {
                 let t = measured(t);
-                (self.motion.value(t), self.motion.derivative(t))
+                [self.motion.value(t), self.motion.derivative(t)]
             };
-            let ((value, rate), (end, end_rate)) = (at(ends[0]), at(ends[1]));
-            let slope = (end - value) / h;
-            let square = (3.0 * slope - 2.0 * rate - end_rate) / h;
-            Cubic([
-                value,
-                rate,
-                square,
-                (rate + end_rate - 2.0 * slope) / (h * h),
-            ])
+            Cubic::through(ends[1] - ends[0], at(ends[0]), at(ends[1]))
         };
         Self {
             nodes: match in_time {

@@ -20,7 +20,8 @@ pub const RESONANCES: usize = 2;
 /// step of that, with 16 times the relative error of a cubic between the nodes, is enough.
 const RADIANS: f64 = 2.0 * RADIANS_A_STEP;
 
-/// Most nodes of the modes in a step of the motion: no fit looks for a mode of more than 50 radians a step.
+/// Most nodes of the modes in a step of the motion. The motion of a step is a cubic: a mode that turns by more than 50 radians in
+/// it hardly rings, but follows.
 const MOST: f64 = 100.0;
 
 /// Last power of the series: what is left out changes the frequency by `RADIANS^8 / 9! = 1e-8` of it.
@@ -81,12 +82,11 @@ impl FurtherModes {
             let piece = Piece::new(trace, k);
             let parts = (piece.length / step).ceil().clamp(1.0, MOST);
             let part = piece.length / parts;
-            let base = cubic(piece.length, curve[k], curve[k + 1]);
+            let base = Cubic::through(piece.length, curve[k], curve[k + 1]);
             for i in 0..parts as usize {
                 let from = i as f64 * part;
-                let shares = self.shares(&piece, from, order, states);
+                let shares = self.shares(&piece, (from, part), order, states);
                 seen.push(&piece, from, &base, shares);
-                self.advance(&piece, from, part, states);
             }
         }
         // The last node has its rates from the piece behind it, where there is one.
@@ -94,34 +94,32 @@ impl FurtherModes {
         let piece = Piece::new(trace, if is_end { last - 1 } else { last });
         let at = if is_end { piece.length } else { 0.0 };
         let base = Cubic([curve[last][0], curve[last][1], 0.0, 0.0]).shifted(-at);
-        seen.push(&piece, at, &base, self.shares(&piece, at, order, states));
+        let shares = self.shares(&piece, (at, 0.0), order, states);
+        seen.push(&piece, at, &base, shares);
         seen
     }
 
-    /// What the modes add to a quantity and its rate.
-    fn shares(&self, piece: &Piece, at: f64, order: usize, states: &[[f64; 2]]) -> [f64; 2] {
+    /// What the modes add to a quantity and its rate at an instant of a piece. Their states move on by `h` seconds.
+    fn shares(
+        &self,
+        piece: &Piece,
+        (at, h): (f64, f64),
+        order: usize,
+        states: &mut [[f64; 2]],
+    ) -> [f64; 2] {
         let mut sum = [0.0; 2];
-        for (law, &[x, v]) in self.laws.iter().zip(states) {
-            let Cubic(driven) = self.driving(law, piece).shifted(at);
-            let (w, damping) = (
-                law.natural_frequency,
-                2.0 * law.damping_ratio * law.natural_frequency,
-            );
-            let a = driven[0] - damping * v - w * w * x;
-            let jerk = driven[1] - damping * a - w * w * v;
+        for (law, state) in self.laws.iter().zip(states) {
+            let driven = self.driving(law, piece).shifted(at);
+            let (w, [x, v]) = (law.natural_frequency, *state);
+            let damping = 2.0 * law.damping_ratio * w;
+            let a = driven.0[0] - damping * v - w * w * x;
+            let jerk = driven.0[1] - damping * a - w * w * v;
             let all = [x, v, a, jerk];
             sum[0] += law.share * all[order];
             sum[1] += law.share * all[order + 1];
+            *state = advanced(law, driven, *state, h);
         }
         sum
-    }
-
-    fn advance(&self, piece: &Piece, from: f64, h: f64, states: &mut [[f64; 2]]) {
-        if piece.length > 0.0 {
-            for (law, state) in self.laws.iter().zip(states) {
-                *state = advanced(law, self.driving(law, piece).shifted(from), *state, h);
-            }
-        }
     }
 
     /// The acceleration that drives a mode: all of it that does not depend on the mode.
@@ -180,34 +178,24 @@ impl Piece {
             0.0
         };
         let two = |[x, v, _]: Kinematics| [x, v];
-        let encoder = cubic(length, two(trace.motor[k]), two(trace.motor[k + 1]));
+        let encoder = Cubic::through(length, two(trace.motor[k]), two(trace.motor[k + 1]));
         let transmitted = trace.transmitted.get(k..k + 2);
         Self {
             start,
             length,
             encoder,
-            motor: transmitted.map_or(encoder, |own| cubic(length, own[0], own[1])),
-            link: cubic(length, two(trace.link[k]), two(trace.link[k + 1])),
+            motor: transmitted.map_or(encoder, |own| Cubic::through(length, own[0], own[1])),
+            link: Cubic::through(length, two(trace.link[k]), two(trace.link[k + 1])),
             input: trace.input.get(k).copied().unwrap_or_default(),
         }
     }
 }
 
-/// The cubic through values and rates at two ends, from the first on; a line where they coincide.
-fn cubic(h: f64, from: [f64; 2], to: [f64; 2]) -> Cubic {
-    if h == 0.0 {
-        return Cubic([from[0], from[1], 0.0, 0.0]);
-    }
-    let mean = (to[0] - from[0]) / h;
-    let (c2, c3) = (
-        3.0 * mean - 2.0 * from[1] - to[1],
-        from[1] + to[1] - 2.0 * mean,
-    );
-    Cubic([from[0], from[1], c2 / h, c3 / (h * h)])
-}
-
 /// Position and velocity of a mode after a time, by the power series of `x'' + 2 xi w x' + w^2 x = f`.
 fn advanced(law: &Resonance, Cubic(f): Cubic, [x, v]: [f64; 2], h: f64) -> [f64; 2] {
+    if h == 0.0 {
+        return [x, v];
+    }
     let angle = law.natural_frequency * h;
     if angle > 2.0 * RADIANS {
         // A mode that is too fast for its nodes rests in what drives it.

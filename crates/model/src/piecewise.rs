@@ -13,6 +13,17 @@ pub const RADIANS_A_STEP: f64 = 0.25;
 pub struct Cubic(pub [f64; 4]);
 
 impl Cubic {
+    /// The cubic through values and rates at two ends, `h` seconds apart, from the first on; a line where they coincide.
+    pub(super) fn through(h: f64, [value, rate]: [f64; 2], [end, end_rate]: [f64; 2]) -> Self {
+        if h == 0.0 {
+            return Self([value, rate, 0.0, 0.0]);
+        }
+        let slope = (end - value) / h;
+        let square = (3.0 * slope - 2.0 * rate - end_rate) / h;
+        let third = (rate + end_rate - 2.0 * slope) / (h * h);
+        Self([value, rate, square, third])
+    }
+
     /// Value, first and second derivative.
     #[inline]
     pub fn at(&self, s: f64) -> [f64; 3] {

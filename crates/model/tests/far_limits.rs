@@ -1,8 +1,11 @@
 //! What a further mode becomes if its own frequency is far above the motion.
 
+mod shown;
+
 use quell_model::effects::{EFFECTS, ParameterRole};
-use quell_model::{Departure, Experiment, Model, Term, simulate};
+use quell_model::{Experiment, Model, Term};
 use quell_recording::{Channel, Recording, Role};
+use shown::shown;
 use std::f64::consts::TAU;
 
 const JOINT: &str = "kind = \"flexible_joint\"\nnatural_frequency_hz = 3\ndamping_ratio = 0.02\n";
@@ -32,12 +35,7 @@ fn moved(model: &Model) -> Experiment {
 fn val_a_mode_far_above_the_motion_is_its_far_limit() {
     let model = Model::from_toml(JOINT, "model.toml").unwrap();
     let experiment = moved(&model);
-    let seen = |terms: &[Term]| {
-        let keys = model.keys();
-        let start = Departure::default();
-        let simulated = simulate(model.kind, &keys, terms, &experiment, &start);
-        simulated.predict(&experiment.outputs[0], 0.0).values
-    };
+    let seen = |terms: &[Term]| shown(&model, terms, &experiment);
     let apart = |a: &[f64], b: &[f64]| {
         let square = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
         square.sum::<f64>().sqrt()

@@ -1,7 +1,10 @@
 //! Forces and inertias that are known over time, against closed forms.
 
-use quell_model::{Departure, Experiment, Model, simulate};
+mod shown;
+
+use quell_model::{Experiment, Model};
 use quell_recording::{Channel, Recording, Role};
+use shown::shown;
 use std::f64::consts::TAU;
 
 const SPAN: f64 = 2.0;
@@ -32,15 +35,8 @@ fn predicted(model: &str, channels: Vec<Channel>) -> (Vec<f64>, Vec<f64>) {
     let mut experiment = Experiment::of(&model, recording(channels)).unwrap();
     // In one piece from the start on.
     experiment.windows.clear();
-    let simulated = simulate(
-        model.kind,
-        &model.keys(),
-        &model.terms(),
-        &experiment,
-        &Departure::default(),
-    );
-    let output = &experiment.outputs[0];
-    (output.time.clone(), simulated.predict(output, 0.0).values)
+    let values = shown(&model, &model.terms(), &experiment);
+    (experiment.outputs[0].time.clone(), values)
 }
 
 fn furthest((time, values): &(Vec<f64>, Vec<f64>), truth: impl Fn(f64) -> f64) -> f64 {

@@ -1,7 +1,10 @@
 //! A drive that is late behind a position loop.
 
-use quell_model::{Departure, Experiment, Model, simulate};
+mod shown;
+
+use quell_model::{Experiment, Model};
 use quell_recording::{Channel, Recording, Role};
+use shown::shown;
 
 const AXIS: &str =
     "kind = \"rigid_axis\"\nmass = 2\nviscous = 5\nposition_gain = 20\nvelocity_gain = 100\n";
@@ -27,15 +30,7 @@ fn predicted(model: &str, jump: f64) -> Vec<f64> {
         channels,
     };
     let experiment = Experiment::of(&model, recording).unwrap();
-    let (keys, terms) = (model.keys(), model.terms());
-    let simulated = simulate(
-        model.kind,
-        &keys,
-        &terms,
-        &experiment,
-        &Departure::default(),
-    );
-    simulated.predict(&experiment.outputs[0], 0.0).values
+    shown(&model, &model.terms(), &experiment)
 }
 
 /// The reference comes late, and all that follows from it.

@@ -81,6 +81,18 @@ pub(super) fn frequencies(scales: &Scales, count: usize) -> Vec<f64> {
     fill(candidates, coarse, frequency_bounds(scales), count)
 }
 
+/// Angular frequencies to try where only a range is known: those that something vibrates with, then a coarse grid of equal ratios.
+pub(super) fn frequencies_between(
+    scales: &Scales,
+    (slowest, fastest): (f64, f64),
+    count: i32,
+) -> Vec<f64> {
+    let ratio = (fastest / slowest).powf(1.0 / f64::from(count));
+    let coarse = (0..count).map(|k| slowest * ratio.powi(k));
+    let closed = (slowest.next_down(), fastest.next_up());
+    fill(&scales.candidate_frequencies, coarse, closed, usize::MAX)
+}
+
 /// Length of the range of positions, never 0.
 pub(super) fn reach(scales: &Scales) -> f64 {
     scales.travel().max(scales.deformation)

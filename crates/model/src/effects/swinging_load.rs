@@ -1,7 +1,7 @@
 //! A load that hangs on the link and swings far.
 
 use super::base_mode::BASE_MODE;
-use super::grid::{frequency_bounds, product};
+use super::grid::{frequencies_between, frequency_bounds, product};
 use super::second_mode::SECOND_MODE;
 use super::shared_parameters::DAMPING_RATIO;
 use super::{
@@ -171,15 +171,10 @@ pub const SWINGING_LOAD: Effect = Effect {
         }))
     },
     starts: |scales| {
-        let steps = 6;
-        let ratio = (FASTEST / SLOWEST).powf(1.0 / f64::from(steps));
-        let coarse = (0..steps).map(|k| SLOWEST * ratio.powi(k));
-        // In a long recording a fit only finds a frequency that is nearer than that.
-        let shown = scales.candidate_frequencies.iter().copied();
-        let shown = shown.filter(|own| (SLOWEST..=FASTEST).contains(own));
-        let frequencies: Vec<f64> = shown.chain(coarse).collect();
+        let frequencies = frequencies_between(scales, (SLOWEST, FASTEST), 6);
         let swings = [0.1, 1.0].map(|angle: f64| {
-            // A swing of some angle is slower than a small one, by a sixteenth of its square.
+            // A swing of some angle is slower than a small one, by a sixteenth of its square (Landau and Lifshitz, Mechanics,
+            // section 11).
             let small = 1.0 / (1.0 - angle * angle / 16.0);
             let frequencies = frequencies.iter().map(|own| (small * own).min(FASTEST));
             let frequencies: Vec<f64> = frequencies.collect();
