@@ -6,6 +6,7 @@
 //! is that of the best of these places.
 
 use super::explanation::Explanation;
+use super::point::Point;
 use super::pool::Pool;
 use super::problem::Problem;
 use super::projector::Projector;
@@ -33,56 +34,56 @@ impl<'a> AllRows<'a> {
 }
 
 impl Search<'_> {
-    /// If the best explanation fits down to the noise, fits structures again from the optimum of all rows. Returns
+    /// Fits structures again from the optimum of all rows, before further effects are searched in what they leave. Returns
     /// whether there is a better explanation.
     pub fn fit_to_all_rows(&self, pool: &mut Pool) -> bool {
         let before = pool.best(self.judge).clone();
-        if self.judge.fits_to_noise(&before) {
-            self.refit_doubtful(pool, |pool| pool.temperature(self.judge));
-        }
+        self.refit_contradicted(pool, |pool| pool.temperature(self.judge));
         !pool.best(self.judge).is_like(&before)
     }
 
-    /// Fits the structures of a pool again from the optimum of all rows that would be credible at a temperature if their held-out
-    /// rows left only noise, and do not.
-    pub fn refit_doubtful(&self, pool: &mut Pool, temperature: impl Fn(&Pool) -> f64) {
+    /// Fits the structures of a pool again from the optimum of all rows that are contradicted by the held-out ones, and would be
+    /// credible at a temperature if these left no more than the fitted rows do.
+    pub fn refit_contradicted(&self, pool: &mut Pool, temperature: impl Fn(&Pool) -> f64) {
         while self.judge.data.judged_by == HeldOut::Stretches && !self.is_over() {
             let temperature = temperature(pool);
-            let doubtful = self.doubtful(pool, temperature);
-            if doubtful.is_empty() {
+            let contradicted = self.contradicted(pool, temperature);
+            if contradicted.is_empty() {
                 break;
             }
-            pool.mark_fitted_to_all(&doubtful);
-            let again = doubtful.par_iter().map(|own| self.fitted_to_all_rows(own));
+            pool.mark_fitted_to_all(&contradicted);
+            let again = contradicted
+                .par_iter()
+                .map(|own| self.fitted_to_all_rows(&own.fitted.point));
             let again: Vec<Explanation> = again.collect();
-            for (own, from) in again.into_iter().zip(&doubtful) {
+            for (own, from) in again.into_iter().zip(&contradicted) {
                 self.log(&own, from, temperature);
                 pool.add(own);
             }
         }
     }
 
-    fn doubtful(&self, pool: &Pool, temperature: f64) -> Vec<Explanation> {
+    /// The most hopeful of them. A contradiction that is worth less than an effect is none.
+    fn contradicted(&self, pool: &Pool, temperature: f64) -> Vec<Explanation> {
         let ranked = pool.ranked(temperature);
         let least = least_credible(ranked[0].1);
-        let rows = self.judge.held_out_rows as f64;
-        let hope = |own: &(&Explanation, f64)| {
-            let beyond = own.0.evidence.held_out_beyond_fit() - rows;
-            own.1 + beyond.max(0.0) / (2.0 * temperature)
+        let worth = -self.problem.log_prior_of_one();
+        let hope = |&(own, log): &(&Explanation, f64)| {
+            let contradiction = self.judge.contradiction(own) / (2.0 * temperature);
+            let is_fitted = own.terms() == 0 || pool.is_fitted_to_all(own);
+            let is_one = !is_fitted && contradiction > worth && log + contradiction > least;
+            is_one.then(|| (own.clone(), log + contradiction))
         };
-        let is_doubtful = |own: &&(&Explanation, f64)| {
-            own.0.terms() > 0
-                && !self.leaves_noise(own.0)
-                && hope(own) > least
-                && !pool.is_fitted_to_all(own.0)
-        };
-        let all = ranked.iter().filter(is_doubtful);
-        all.take(BEAM).map(|own| own.0.clone()).collect()
+        let mut all: Vec<_> = ranked.iter().filter_map(hope).collect();
+        all.sort_by(|a, b| b.1.total_cmp(&a.1));
+        all.truncate(BEAM);
+        all.into_iter().map(|own| own.0).collect()
     }
 
-    fn fitted_to_all_rows(&self, own: &Explanation) -> Explanation {
+    /// A structure, fitted from the optimum of all rows, and judged.
+    pub fn fitted_to_all_rows(&self, start: &Point) -> Explanation {
         let whole = AllRows::of(self.problem);
-        let all = whole.problem.fit(&own.fitted.point, &whole.projector, LONG);
+        let all = whole.problem.fit(start, &whole.projector, LONG);
         self.refitted(&all.point)
     }
 }
