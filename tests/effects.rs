@@ -6,6 +6,7 @@ use quell::effects::{
     ParameterRole, Place, Property, Reading, Scales, Sensor, Units,
 };
 use std::collections::HashSet;
+use std::f64::consts::PI;
 use std::path::Path;
 
 fn effect(name: &str) -> &'static Effect {
@@ -398,7 +399,7 @@ proptest! {
         steps in 2..9usize,
     ) {
         for (name, parameters) in [
-            ("presliding_hysteresis", vec![1.0, distance]),
+            ("presliding_hysteresis", vec![1.0, distance, 0.0, 0.0, 0.0]),
             ("hysteretic_stiffness", vec![0.5, distance, shape, sharpness]),
             ("viscoelastic_creep", vec![0.5, distance]),
         ] {
@@ -421,7 +422,7 @@ proptest! {
         inner in -1.0..1.0f64,
     ) {
         for (name, parameters) in [
-            ("presliding_hysteresis", vec![1.0, distance]),
+            ("presliding_hysteresis", vec![1.0, distance, 0.0, 0.0, 0.0]),
             ("hysteretic_stiffness", vec![0.5, distance, shape, sharpness]),
         ] {
             let law = force(name, &parameters);
@@ -502,10 +503,64 @@ fn val_bouc_wen_against_fine_integration() {
     }
 }
 
+/// Bristles of the LuGre model, `z' = v - |v| z / g(v)`: against steps of a thousandth where the velocity swings through the
+/// Stribeck curve, and at a constant velocity, where the force is `F g(v)`.
+#[test]
+fn val_lugre_bristles_against_fine_integration() {
+    let (friction, distance, excess, stribeck, damping) = (0.7, 0.02, 0.4, 0.3, 0.1);
+    let law = force(
+        "presliding_hysteresis",
+        &[friction, distance, excess, stribeck, damping],
+    );
+    let level = |v: f64| 1.0 + excess * (-(v / stribeck).powi(2)).exp();
+    let rate = |v: f64, z: f64| v * (1.0 - v.signum() * z / level(v)) / distance;
+    let (mut memory, mut z, mut t) = (Memory::default(), 0.0f64, 0.0f64);
+    law.remember(&motion(), 0.0, 1.0, &mut memory);
+    // Steps end where the motion turns.
+    let step = PI / 2000.0;
+    for _ in 0..4000 {
+        for _ in 0..1000 {
+            let h = 1e-3 * step;
+            let middle = z + 0.5 * h * rate(t.cos(), z);
+            z += h * rate((t + 0.5 * h).cos(), middle);
+            t += h;
+        }
+        let (x, v) = (t.sin(), t.cos());
+        let now = law.force(&motion(), x, v, &memory);
+        law.remember(
+            &Motion {
+                time: t,
+                ..motion()
+            },
+            x,
+            v,
+            &mut memory,
+        );
+        assert_near(memory.state, z, 2e-6, "deflection");
+        let force = friction * (z + damping * distance * rate(v, z));
+        assert_near(now, force, 2e-6, "force");
+    }
+    for v in [0.05, 0.3, -2.0] {
+        let mut memory = Memory {
+            states: [v; 8],
+            ..Memory::default()
+        };
+        for k in 1..=4000 {
+            let time = f64::from(k) * 0.01;
+            law.remember(&Motion { time, ..motion() }, v * time, v, &mut memory);
+        }
+        let steady = law.force(&motion(), v * 40.0, v, &memory);
+        assert_near(steady, friction * level(v) * v.signum(), 1e-12, "steady");
+    }
+}
+
 #[test]
 fn val_dahl_loop_closes_at_tanh_and_dissipates_its_area() {
     let (friction, distance, amplitude) = (0.7, 0.3f64, 0.5f64);
-    let law = force("presliding_hysteresis", &[friction, distance]);
+    let law = force(
+        "presliding_hysteresis",
+        &[friction, distance, 0.0, 0.0, 0.0],
+    );
     let mut memory = Memory::default();
     for _ in 0..40 {
         memory = walk(&*law, memory, &[-amplitude, amplitude], 0.0);

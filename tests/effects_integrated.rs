@@ -84,12 +84,14 @@ fn deformation((trace, modes): &Motion) -> Vec<f64> {
     let seen = modes.seen(trace, nodes, (&still, 0), &mut modes.start());
     let mut further = seen.time.iter().zip(&seen.curve);
     for k in 0..trace.time.len() {
-        // Of the two nodes at a kick the later one.
-        let last = trace
-            .time
-            .get(k + 1)
-            .is_none_or(|next| next - trace.time[k] > 1e-9);
-        if last && (trace.time[k] / 0.004 - (trace.time[k] / 0.004).round()).abs() < 1e-6 {
+        // Of the nodes at a kick, and where something turns at a sample, the last one.
+        let sample = |time: f64| {
+            let nearest = (time / 0.004).round();
+            ((time / 0.004 - nearest).abs() < 1e-6).then_some(nearest)
+        };
+        let own = sample(trace.time[k]);
+        let next = trace.time.get(k + 1).and_then(|time| sample(*time));
+        if own.is_some() && own != next {
             let u = trace.motor[k][0];
             at_samples.push(trace.link[k][0] - u);
             let at = further.find(|(time, _)| **time == trace.time[k]);
@@ -184,7 +186,7 @@ fn the_stiffest_bristles_are_resolved() {
     let effect = Effect::from_name("presliding_hysteresis").unwrap();
     let shortest = (effect.parameters[1].bounds)(&scales).0;
     for size in [0.06, 0.25] {
-        let values = [size * scales.force, shortest];
+        let values = [size * scales.force, shortest, 0.0, 0.0, 0.0];
         let run = |grid: &Grid| {
             let law = Some(((effect.law)(&values), Place::Link));
             deformation(&simulate(law, grid).unwrap())

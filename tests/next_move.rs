@@ -144,7 +144,11 @@ fn is_told_apart(truth: &Term, moves: &[ProposedMove], noise: f64, seed: u64) ->
 /// One quick move leaves in doubt whether friction creeps before it slides; the proposed ones settle it.
 #[test]
 fn val_the_proposed_moves_tell_laws_of_friction_apart() {
-    let truth = term("presliding_hysteresis", Place::Transmission, &[2e-4, 1e-4]);
+    let truth = term(
+        "presliding_hysteresis",
+        Place::Transmission,
+        &[2e-4, 1e-4, 0.0, 0.0, 0.0],
+    );
     let moves = [step(0.5, 1.0, 0.3)];
     let told = [2.2e-4, 2.5e-4].map(|noise| is_told_apart(&truth, &moves, noise, 1));
     assert!(told.contains(&true));

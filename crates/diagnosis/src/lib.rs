@@ -35,6 +35,7 @@ mod final_fit;
 mod fit;
 mod follows_motion;
 mod found;
+mod fuller;
 mod held;
 mod in_place;
 mod input_error;

@@ -40,7 +40,7 @@ impl Problem<'_> {
                     && spans(role, (value, deviations[unknown]), (low, high))
             };
             // A law at the end of its shape parameter is the simpler law that it contains as a limit.
-            let contains = point.terms[term].effect.limits().next().is_some();
+            let contains = point.terms[term].effect.has_limit_at_end();
             let ends = [low, high].into_iter();
             let mut ends = ends.filter(|&bound| is_meaningless(parameter, bound, contains));
             ends.any(near) && !may_be_anything()
@@ -78,7 +78,7 @@ impl Problem<'_> {
         let mut simpler = point.clone();
         for &(term, index) in &vanished {
             let own = &mut simpler.terms[term];
-            own.values[index] = own.effect.parameters[index].neutral;
+            own.values = own.effect.without(&own.values, index);
         }
         (!vanished.is_empty()).then_some(simpler)
     }

@@ -193,12 +193,13 @@ impl<'a> Screen<'a> {
     }
 
     /// An effect at its place with the values of its grid, a learned law with the range of that place. What happened in a
-    /// recording has a grid for each. A law is also tried without what only an accelerometer shows; where there is none, only so.
+    /// recording has a grid for each. Where there is an accelerometer, a law is tried with and without the parameters that
+    /// hardly act on positions, else without them.
     fn starts(&self, effect: &'static Effect, place: Place) -> Vec<Term> {
         let problem = self.problem;
         let outputs = problem.experiments.iter().flat_map(|own| &own.outputs);
         let are_seen = outputs.map(|own| own.role).any(Role::is_acceleration);
-        let laws = |values: Vec<f64>| match effect.without_accelerometer(&values) {
+        let laws = |values: Vec<f64>| match effect.simpler(&values) {
             Some(simpler) if are_seen => vec![simpler, values],
             Some(simpler) => vec![simpler],
             None => vec![values],

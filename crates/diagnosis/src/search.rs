@@ -143,8 +143,9 @@ impl Search<'_> {
     }
 
     /// Drops from the best explanation every term without which the evidence is no less, or puts a simpler law in its place
-    /// that it contains. The explanation of the highest evidence is treated so first, even with a parameter at the end of its
-    /// range. Structures without a term are fitted again from here: the term may have led the others out of a false minimum.
+    /// that it contains, or fits its laws with and without the parameters that they may be without. The explanation of the
+    /// highest evidence is treated so first, even with a parameter at the end of its range. Structures without a term are fitted
+    /// again from here: the term may have led the others out of a false minimum.
     pub fn thin_out(&self, pool: &mut Pool) {
         while !self.problem.is_cut()
             && let Some(own) = pool.next_to_thin_out(self.judge)
@@ -155,8 +156,10 @@ impl Search<'_> {
                 let limits = self.limits_of(point, term);
                 std::iter::once(point.without(term)).chain(limits)
             });
+            let simpler = simpler.chain(self.problem.simpler(point));
             let simpler: Vec<Explanation> = simpler.map(|point| self.refitted(&point)).collect();
             simpler.into_iter().for_each(|next| pool.add(next));
+            pool.add(self.in_full(own, |_| true));
         }
     }
 

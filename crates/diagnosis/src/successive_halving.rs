@@ -10,6 +10,7 @@ use super::point::{EffectAt, Point};
 use super::pool::Pool;
 use super::search::Search;
 use super::thresholds::{LONG, LOST, SECOND, SHORT};
+use quell_model::Term;
 use rayon::prelude::*;
 
 /// Share of the winner's fall of the cost that another candidate must have reached to be fitted further.
@@ -209,8 +210,13 @@ impl<'a> Halving<'a> {
             ..
         } = self.search;
         let explanation = judge.judge(problem, projector, descent.end());
+        let new = explanation.fitted.point.terms.last().map(Term::identity);
         Some(match carries {
-            true => self.search.recurring(explanation),
+            true => {
+                let all = self.search.recurring(explanation);
+                let is_new = |own: &Term| Some(own.identity()) == new;
+                self.search.in_full(all, is_new)
+            }
             false => explanation,
         })
     }

@@ -95,11 +95,11 @@ pub fn constant(joint: &str, force: f64) -> String {
     )
 }
 
-/// Friction of bristles of a stiffness.
-pub fn lugre(stiffness: f64, kinetic: f64, breakaway: f64, stribeck: f64) -> String {
-    let [stiffness, kinetic, breakaway, stribeck] =
-        [stiffness, kinetic, breakaway, stribeck].map(short);
-    format!("lugre=\"{stiffness} 0 {kinetic} {breakaway} {stribeck}\"")
+/// Friction of bristles of a stiffness and a damping.
+pub fn lugre([stiffness, damping]: [f64; 2], levels: [f64; 2], stribeck: f64) -> String {
+    let [stiffness, damping, stribeck] = [stiffness, damping, stribeck].map(short);
+    let [kinetic, breakaway] = levels.map(short);
+    format!("lugre=\"{stiffness} {damping} {kinetic} {breakaway} {stribeck}\"")
 }
 
 /// A joint that swings by itself: an inertia, its frequency and its damping ratio.

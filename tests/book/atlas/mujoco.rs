@@ -115,10 +115,11 @@ fn dry(arm: &Arm, name: &str, p: &[f64]) -> Option<Form> {
         let more = format!(" frictionloss=\"{}\"\n  {solver}", short(force * k));
         spring(arm, &[], &[], &more)
     };
-    let bristles = |stiffness: f64, kinetic: f64, breakaway: f64, stribeck: f64| {
+    let bristles = |bent: [f64; 2], levels: [f64; 2], stribeck: f64| {
+        let times = |values: [f64; 2]| values.map(|value| value * k);
         passive(
             "joint=\"transmission\"",
-            &lugre(stiffness * k, kinetic * k, breakaway * k, stribeck),
+            &lugre(times(bent), times(levels), stribeck),
         )
     };
     match name {
@@ -133,17 +134,24 @@ fn dry(arm: &Arm, name: &str, p: &[f64]) -> Option<Form> {
         }),
         "stribeck_friction" => like(
             Mjcf {
-                actuator: bristles(100.0, p[0], p[0] * (1.0 + p[1]), p[2]),
+                actuator: bristles([100.0, 0.0], [p[0], p[0] * (1.0 + p[1])], p[2]),
                 ..base
             },
             BRISTLES,
         ),
         "presliding_hysteresis" => same(Mjcf {
-            actuator: bristles(p[0] / p[1], p[0], p[0], 1.0),
+            actuator: bristles(
+                [p[0] / p[1], p[0] * p[4]],
+                [p[0], p[0] * (1.0 + p[2])],
+                p[3],
+            ),
             ..base
         }),
         "stiction" => {
-            let friction = passive("joint=\"axis\"", &lugre(1e6, p[0] * p[1], p[0], 1e-3));
+            let friction = passive(
+                "joint=\"axis\"",
+                &lugre([1e6, 0.0], [p[0] * p[1], p[0]], 1e-3),
+            );
             like(
                 Mjcf {
                     actuator: format!("{}\n{friction}", base.actuator),

@@ -15,8 +15,8 @@ pub const EXTERNAL_DISTURBANCE: Effect = Effect {
     title: "external disturbance",
     places: &[Place::Environment],
     physics: "Something knocks against the link: its velocity changes by J / m and it rings freely. The force is a parabola \
-        that lasts for d, F = 3 J / (2 d) (1 - (2 (t - t_0) / d)^2), as half a sine of an elastic contact within 5 %. Only an \
-        accelerometer shows d; without one the velocity jumps. Source: Haddadin, De Luca, Albu-Schaeffer, Robot collisions: a \
+        that lasts for d, F = 3 J / (2 d) (1 - (2 (t - t_0) / d)^2), as half a sine of an elastic contact within 5 %. An \
+        accelerometer shows d; a sensor of positions does where its noise is well below J d / m, else the velocity jumps. Source: Haddadin, De Luca, Albu-Schaeffer, Robot collisions: a \
         survey on detection, isolation, and identification, IEEE Trans. Robotics 33 (2017).",
     remedy: "Find out what touched the machine at these times; leave those stretches out.",
     parameters: &[
@@ -42,11 +42,7 @@ pub const EXTERNAL_DISTURBANCE: Effect = Effect {
             typical,
         },
     ],
-    properties: &[
-        Property::Recurs,
-        Property::Optional("duration"),
-        Property::SeenByAccelerometers("duration"),
-    ],
+    properties: &[Property::Recurs, Property::Vanish(&["duration"])],
     law: |p| {
         Law::Impulse(Impulse {
             size: p[0],

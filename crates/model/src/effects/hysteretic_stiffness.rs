@@ -1,6 +1,7 @@
 //! A spring with a hysteresis loop after Bouc and Wen.
 
 use super::grid::product;
+use super::presliding_hysteresis::PRESLIDING_HYSTERESIS;
 use super::{
     Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
     Quantity, Slot,
@@ -146,6 +147,8 @@ pub const HYSTERETIC_STIFFNESS: Effect = Effect {
         },
     ],
     properties: &[
+        // Dahl's bristles beside a spring are Bouc and Wen's loop with unloading 1 and sharpness 0.
+        Property::Includes(&PRESLIDING_HYSTERESIS),
         Property::Alike(Likeness::LowSpeed),
         Property::Slot(Slot::Hysteresis),
     ],

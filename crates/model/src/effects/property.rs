@@ -1,6 +1,6 @@
 //! Properties of an effect, besides its law, that the rest of the program needs.
 
-use super::{Effect, Law, Likeness, Parameter, ParameterRole, Place, Slot};
+use super::{Effect, Law, Likeness, Parameter, ParameterRole, Place, Scales, Slot};
 
 /// A simpler effect, and the values of its parameters.
 pub type Part = (&'static Effect, Vec<f64>);
@@ -10,6 +10,8 @@ pub type Part = (&'static Effect, Vec<f64>);
 pub enum Property {
     /// Its law contains that of a simpler effect as a limit: if either fits, the simpler one is reported.
     Contains(&'static Effect),
+    /// As [`Property::Contains`], at values within its ranges instead of at their ends.
+    Includes(&'static Effect),
     /// It acts as this simpler effect if its own frequency is far above the motion; its other parameters are
     /// then not determined.
     Becomes(&'static Effect),
@@ -19,9 +21,9 @@ pub enum Property {
     Alike(Likeness),
     /// A file may omit this parameter, which then has its neutral value.
     Optional(&'static str),
-    /// Only a sensor of accelerations shows this parameter. At its neutral value, below its range, the law is a simpler one,
-    /// which is fitted without it; at the low end of its range it is as good as that.
-    SeenByAccelerometers(&'static str),
+    /// The law may be without these parameters, which a file may omit. At their neutral values, below their ranges, the law is a
+    /// simpler one; where one of them is at the low end of its range, it is as good as that.
+    Vanish(&'static [&'static str]),
     /// It may act again: an event at another [time](ParameterRole::Time), what lasts in another recording.
     Recurs,
     /// Its misfit has many minima over its size: the frequency depends on the size and both must be right
@@ -65,9 +67,14 @@ impl Effect {
     /// The simpler effects that the law contains as limits.
     pub fn limits(&self) -> impl Iterator<Item = &'static Self> {
         self.properties.iter().filter_map(|own| match own {
-            Property::Contains(simpler) => Some(*simpler),
+            Property::Contains(simpler) | Property::Includes(simpler) => Some(*simpler),
             _ => None,
         })
+    }
+
+    /// Whether its law is that of a simpler effect at the end of a range.
+    pub fn has_limit_at_end(&self) -> bool {
+        self.is(|own| matches!(own, Property::Contains(_)))
     }
 
     /// Whether the law may act as that of another effect in the whole recording.
@@ -107,7 +114,11 @@ impl Effect {
 
     /// Whether a file may omit a parameter.
     pub fn is_optional(&self, parameter: &Parameter) -> bool {
-        self.is(|own| matches!(own, Property::Optional(name) if *name == parameter.name))
+        self.is(|own| match own {
+            Property::Optional(name) => *name == parameter.name,
+            Property::Vanish(names) => names.contains(&parameter.name),
+            _ => false,
+        })
     }
 
     /// Whether its law is without the parameter of an index, which has this value.
@@ -115,18 +126,62 @@ impl Effect {
         value == self.parameters[index].neutral && self.may_be_without(index)
     }
 
-    /// Values of the simpler law without what only a sensor of accelerations shows; `None` where there is nothing of it.
-    pub fn without_accelerometer(&self, values: &[f64]) -> Option<Vec<f64>> {
-        let shown = (0..values.len()).filter(|index| self.may_be_without(*index));
-        let mut simpler = values.to_vec();
-        shown.for_each(|index| simpler[index] = self.parameters[index].neutral);
+    /// Values of the simpler law without the parameters that it may be without; `None` where it is that.
+    pub fn simpler(&self, values: &[f64]) -> Option<Vec<f64>> {
+        let groups: Vec<_> = self.vanishing().collect();
+        let simpler = self.instead(values, &groups, |own| own.neutral);
         (simpler != values).then_some(simpler)
+    }
+
+    /// Values of the simpler law without a parameter, and without those that go with it.
+    pub fn without(&self, values: &[f64], index: usize) -> Vec<f64> {
+        let own = self.parameters[index].name;
+        let groups: Vec<_> = self
+            .vanishing()
+            .filter(|names| names.contains(&own))
+            .collect();
+        self.instead(values, &groups, |own| own.neutral)
+    }
+
+    /// Values of the fuller laws: with typical values of all parameters that it is without, then of those that go together.
+    pub fn fuller(&self, values: &[f64], scales: &Scales) -> Vec<Vec<f64>> {
+        let is_missing = |names: &&[&str]| {
+            let index = self.parameters.iter().position(|own| names[0] == own.name);
+            index.is_some_and(|index| self.is_without(index, values[index]))
+        };
+        let missing: Vec<_> = self.vanishing().filter(is_missing).collect();
+        let with = |groups: &[&[&str]]| self.instead(values, groups, |own| (own.typical)(scales));
+        let each = missing.chunks(1).filter(|_| missing.len() > 1);
+        let all = std::iter::once(&missing[..]).filter(|all| !all.is_empty());
+        all.chain(each).map(with).collect()
+    }
+
+    /// The parameters that the law may be without, those that go together.
+    fn vanishing(&self) -> impl Iterator<Item = &'static [&'static str]> {
+        self.properties.iter().filter_map(|own| match own {
+            Property::Vanish(names) => Some(*names),
+            _ => None,
+        })
+    }
+
+    /// Values with others for the parameters of these names.
+    fn instead(
+        &self,
+        values: &[f64],
+        groups: &[&[&str]],
+        other: impl Fn(&Parameter) -> f64,
+    ) -> Vec<f64> {
+        let is_changed = |own: &Parameter| groups.iter().any(|names| names.contains(&own.name));
+        let pairs = self.parameters.iter().zip(values);
+        pairs
+            .map(|(own, &value)| if is_changed(own) { other(own) } else { value })
+            .collect()
     }
 
     /// Whether its law may be without the parameter of an index.
     pub fn may_be_without(&self, index: usize) -> bool {
         let own = self.parameters[index].name;
-        self.is(|other| matches!(other, Property::SeenByAccelerometers(name) if *name == own))
+        self.vanishing().any(|names| names.contains(&own))
     }
 
     /// Whether it may act again, at another time or in another recording.

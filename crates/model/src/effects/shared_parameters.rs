@@ -13,6 +13,35 @@ pub(super) const FRICTION: Parameter = Parameter {
     typical: |scales| 0.05 * scales.force,
 };
 
+/// Breakaway over kinetic friction, less 1.
+pub(super) const EXCESS: Parameter = Parameter {
+    name: "excess",
+    role: ParameterRole::Shape,
+    quantity: Quantity::NUMBER,
+    // Breakaway is not below kinetic friction.
+    bounds: |_| (0.0, 5.0),
+    neutral: 0.0,
+    typical: |_| 0.5,
+};
+
+/// Velocity at which the excess has fallen by the factor e.
+pub(super) const STRIBECK_VELOCITY: Parameter = Parameter {
+    name: "stribeck_velocity",
+    role: ParameterRole::Shape,
+    quantity: Quantity::VELOCITY,
+    bounds: |scales| {
+        let (slow, fast) = speeds(scales.velocity, scales.deformation_rate);
+        (1e-3 * slow, 3.0 * fast)
+    },
+    neutral: 1.0,
+    typical: |scales| 0.1 * speeds(scales.velocity, scales.deformation_rate).0,
+};
+
+/// The slower and the faster of the two.
+pub(super) fn speeds(a: f64, b: f64) -> (f64, f64) {
+    (a.min(b), a.max(b))
+}
+
 /// Amplitude of a force that swings.
 pub(super) const AMPLITUDE: Parameter = Parameter {
     name: "amplitude",

@@ -2,8 +2,7 @@
 
 use super::coulomb_friction::COULOMB_FRICTION;
 use super::grid::product;
-use super::shared_parameters::FRICTION;
-use super::stribeck_friction::speeds;
+use super::shared_parameters::{FRICTION, speeds};
 use super::{
     Effect, Friction, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Slot,
 };

@@ -2,10 +2,8 @@
 
 use super::coulomb_friction::COULOMB_FRICTION;
 use super::grid::product;
-use super::shared_parameters::FRICTION;
-use super::{
-    Effect, Friction, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Slot,
-};
+use super::shared_parameters::{EXCESS, FRICTION, STRIBECK_VELOCITY, speeds};
+use super::{Effect, Friction, Law, Likeness, Place, Property, Slot};
 
 /// Dry friction that falls from its breakaway to its kinetic value as the slip gets faster.
 pub const STRIBECK_FRICTION: Effect = Effect {
@@ -19,29 +17,7 @@ pub const STRIBECK_FRICTION: Effect = Effect {
         Canudas de Wit, Automatica 30 (1994).",
     remedy: "Check the lubricant at low speed; avoid creeping moves, or compensate breakaway and \
         sliding friction apart.",
-    parameters: &[
-        FRICTION,
-        Parameter {
-            name: "excess",
-            role: ParameterRole::Shape,
-            quantity: Quantity::NUMBER,
-            // Breakaway is not below kinetic friction.
-            bounds: |_| (0.0, 5.0),
-            neutral: 0.0,
-            typical: |_| 0.5,
-        },
-        Parameter {
-            name: "stribeck_velocity",
-            role: ParameterRole::Shape,
-            quantity: Quantity::VELOCITY,
-            bounds: |scales| {
-                let (slow, fast) = speeds(scales.velocity, scales.deformation_rate);
-                (1e-3 * slow, 3.0 * fast)
-            },
-            neutral: 1.0,
-            typical: |scales| 0.1 * speeds(scales.velocity, scales.deformation_rate).0,
-        },
-    ],
+    parameters: &[FRICTION, EXCESS, STRIBECK_VELOCITY],
     properties: &[
         Property::Contains(&COULOMB_FRICTION),
         Property::Alike(Likeness::LowSpeed),
@@ -67,8 +43,3 @@ pub const STRIBECK_FRICTION: Effect = Effect {
         product(&[&friction, &[0.6], &velocities])
     },
 };
-
-/// The slower and the faster of the two.
-pub(super) fn speeds(a: f64, b: f64) -> (f64, f64) {
-    (a.min(b), a.max(b))
-}

@@ -60,7 +60,11 @@ impl Model {
                 write_learned(&mut text, effect, units);
                 continue;
             }
-            for (parameter, value) in effect.effect.parameters.iter().zip(&effect.parameters) {
+            let pairs = effect.effect.parameters.iter().zip(&effect.parameters);
+            for (index, (parameter, value)) in pairs.enumerate() {
+                if effect.effect.is_without(index, value.value) {
+                    continue;
+                }
                 let unit = unit(parameter.quantity, units);
                 line(&mut text, parameter.name, &inline(value), unit);
             }
