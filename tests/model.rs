@@ -566,11 +566,10 @@ fn every_law_converges_as_steps_are_halved() {
             println!("{:28} {:14} {told}", effect.name, place.name());
             // Creep takes the deformation for a straight line within a step, a swinging load the link's speed:
             // second order. The others are of the fourth, down to the hair by which events are overshot. About rest smooth friction is
-            // followed in steps of its own, however short the others are. The level of bristles there falls within a few steps.
+            // followed in steps of its own, however short the others are.
             let (factor, size) = match effect.name {
                 "viscoelastic_creep" | "swinging_load" => (3.5, 5e-3),
                 "smooth_coulomb_friction" => (1.0, 2e-4),
-                "presliding_hysteresis" => (6.0, 1e-3),
                 _ => (8.0, 1e-3),
             };
             assert!(errors[1] < size, "{}: {told}", effect.name);

@@ -242,18 +242,13 @@ impl<'a> Stepper<'a> {
             let rate = slides * coordinate(attachment, &start.motion)[1];
             let change = slides * slip(start, attachment);
             for zone in &fall.zones {
-                let above = rate - zone.until;
-                longest = match above > 0.0 {
-                    true if above + change * h < 0.0 => longest.min(-1.01 * above / change),
-                    true => longest,
-                    false => longest.min(zone.step / (change.abs() + fall.drop)),
-                };
+                longest = longest.min(zone.longest(rate, change, fall.drop, h));
             }
         }
         longest
     }
 
-    /// The longest step on a force that may be far stiffer than the transmission.
+    /// The longest step on a force that may be far stiffer than the transmission, or depend on the speed.
     fn on_bristles(&self, start: &Instant, h: f64) -> f64 {
         let mut longest = h;
         for &(force, _) in &self.corners {
@@ -265,6 +260,10 @@ impl<'a> Stepper<'a> {
                 let mobility = self.constants.mobility(attachment);
                 let square = self.chain.linear.unit_force * mobility * stiffness;
                 longest = longest.min(BRISTLES / square.sqrt());
+            }
+            if let Some(zone) = element.law.zone() {
+                let change = v.signum() * slip(start, attachment);
+                longest = longest.min(zone.longest(v.abs(), change, 0.0, h));
             }
         }
         longest

@@ -141,7 +141,7 @@ fn dry(arm: &Arm, name: &str, p: &[f64]) -> Option<Form> {
         ),
         "presliding_hysteresis" => same(Mjcf {
             actuator: bristles(
-                [p[0] / p[1], p[0] * p[4]],
+                [p[0] / p[1], p[4] * p[0] / p[1]],
                 [p[0], p[0] * (1.0 + p[2])],
                 p[3],
             ),

@@ -39,11 +39,24 @@ pub(crate) struct Change {
 
 /// Speeds at which friction needs short steps of the integration.
 #[derive(Clone, Copy)]
-pub(crate) struct Zone {
+pub struct Zone {
     /// Speed beyond which a flatter zone begins.
     pub until: f64,
     /// Largest change of the speed within a step.
     pub step: f64,
+}
+
+impl Zone {
+    /// The longest step at a speed that has this rate of change, to which friction may add its `drop`; `h` outside the zone, or to
+    /// its border.
+    pub(crate) fn longest(&self, speed: f64, change: f64, drop: f64, h: f64) -> f64 {
+        let above = speed - self.until;
+        match above > 0.0 {
+            true if above + change * h < 0.0 => -1.01 * above / change,
+            true => h,
+            false => self.step / (change.abs() + drop),
+        }
+    }
 }
 
 impl Change {

@@ -1,6 +1,6 @@
 //! Laws: the few ways in which physics enters the chain of an axis.
 
-use super::Friction;
+use super::{Friction, Zone};
 
 /// Motion of the chain at one instant.
 #[derive(Clone, Copy, Debug, Default)]
@@ -79,6 +79,11 @@ pub trait Force: Send + Sync {
     /// makes steps that are short for the vibration on it. 0 of a law that is no stiffer than the transmission.
     fn stiffness(&self, _v: f64, _memory: &Memory) -> f64 {
         0.0
+    }
+
+    /// Speeds at which the force follows a curve over the speed: the integrator makes short steps there.
+    fn zone(&self) -> Option<Zone> {
+        None
     }
 
     /// Instants at which the force jumps: the integrator ends a step there.

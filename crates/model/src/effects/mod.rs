@@ -86,8 +86,8 @@ mod viscous_friction;
 
 pub use catalogue::{Catalogue, words};
 pub use curve::curve;
-pub(crate) use friction::{Change, Zone};
-pub use friction::{Friction, Levels};
+pub(crate) use friction::Change;
+pub use friction::{Friction, Levels, Zone};
 pub use law::{
     Drive, Force, Impulse, Inertia, Law, Memory, Motion, Reading, Resonance, STATES, Sensor,
 };

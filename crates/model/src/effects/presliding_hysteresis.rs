@@ -6,7 +6,7 @@ use super::shared_parameters::{EXCESS, FRICTION, STRIBECK_VELOCITY};
 use super::stribeck_friction::STRIBECK_FRICTION;
 use super::{
     Effect, Force, Law, Likeness, Memory, Motion, Parameter, ParameterRole, Place, Property,
-    Quantity, Slot,
+    Quantity, Slot, Zone,
 };
 
 struct Bristles {
@@ -14,7 +14,7 @@ struct Bristles {
     distance: f64,
     excess: f64,
     stribeck_velocity: f64,
-    damping: f64,
+    time_constant: f64,
 }
 
 impl Bristles {
@@ -80,7 +80,8 @@ const SMALL: f64 = 1e-8;
 impl Force for Bristles {
     fn force(&self, _motion: &Motion, x: f64, v: f64, memory: &Memory) -> f64 {
         let z = self.deflection(x, v, memory);
-        self.friction * (z + self.damping * v * self.yielding(v, z))
+        let rate = v * self.yielding(v, z) / self.distance;
+        self.friction * (z + self.time_constant * rate)
     }
 
     fn remember(&self, motion: &Motion, x: f64, v: f64, memory: &mut Memory) {
@@ -91,6 +92,14 @@ impl Force for Bristles {
 
     fn switch(&self, _motion: &Motion, _x: f64, v: f64, _memory: &Memory) -> Option<f64> {
         (self.friction > 0.0).then_some(v)
+    }
+
+    /// That of Stribeck friction of the same curve.
+    fn zone(&self) -> Option<Zone> {
+        (self.excess > 0.0).then_some(Zone {
+            until: 3.0 * self.stribeck_velocity,
+            step: 0.5 * self.stribeck_velocity,
+        })
     }
 
     fn stiffness(&self, v: f64, memory: &Memory) -> f64 {
@@ -107,7 +116,7 @@ pub const PRESLIDING_HYSTERESIS: Effect = Effect {
         one side to the other over a distance x_s, F = F_c z, dz/dx = (1 - z sign x' / g) / x_s. Small motion sees \
         a spring with a loop, large motion Coulomb friction. Dahl's bristles have g = 1 and do not depend on speed. Those of the \
         LuGre model slide as Stribeck friction does, g = 1 + excess exp(-(v / v_s)^2), and are damped while they bend, \
-        F = F_c (z + c x' (1 - z sign x' / g)). Source: \
+        F = F_c (z + T dz/dt). Source: \
         Dahl, A solid friction model, Aerospace Corp. TOR-0158(3107-18)-1 (1968); Canudas de Wit, \
         Olsson, Astrom, Lischinsky, IEEE Trans. Automatic Control 40 (1995).",
     remedy: "Expect lost motion at each reversal; approach a target from one side, or compensate \
@@ -133,25 +142,20 @@ pub const PRESLIDING_HYSTERESIS: Effect = Effect {
             ..STRIBECK_VELOCITY
         },
         Parameter {
-            name: "bristle_damping",
+            name: "bristle_time_constant",
             role: ParameterRole::Shape,
-            quantity: Quantity::new(0, -1, 1),
-            // At most that of the friction itself at the rate of the deformation.
-            bounds: |scales| {
-                (
-                    1e-3 / scales.deformation_rate,
-                    1.0 / scales.deformation_rate,
-                )
-            },
+            quantity: Quantity::TIME,
+            // The stiffest bristles vibrate at 31 times the mode: their damping ratio is at most 4.
+            bounds: |scales| (2e-5 * scales.period(), 0.04 * scales.period()),
             neutral: 0.0,
-            typical: |scales| 0.05 / scales.deformation_rate,
+            typical: |scales| 3e-3 * scales.period(),
         },
     ],
     properties: &[
         Property::Contains(&COULOMB_FRICTION),
         Property::Contains(&STRIBECK_FRICTION),
         Property::Vanish(&["excess", "stribeck_velocity"]),
-        Property::Vanish(&["bristle_damping"]),
+        Property::Vanish(&["bristle_time_constant"]),
         Property::Alike(Likeness::LowSpeed),
         Property::Slot(Slot::Hysteresis),
     ],
@@ -161,14 +165,14 @@ pub const PRESLIDING_HYSTERESIS: Effect = Effect {
             distance: p[1].max(f64::MIN_POSITIVE),
             excess: p[2],
             stribeck_velocity: p[3].max(f64::MIN_POSITIVE),
-            damping: p[4],
+            time_constant: p[4],
         }))
     },
     starts: |scales| {
         let friction = [0.015, 0.06, 0.25].map(|size| size * scales.force);
         let distance = [0.02, 0.08, 0.25, 0.8].map(|size| size * scales.deformation);
         let velocity = (STRIBECK_VELOCITY.typical)(scales);
-        let damping = 0.05 / scales.deformation_rate;
-        product(&[&friction, &distance, &[0.5], &[velocity], &[damping]])
+        let bent = 3e-3 * scales.period();
+        product(&[&friction, &distance, &[0.5], &[velocity], &[bent]])
     },
 };
