@@ -127,7 +127,7 @@ fn a_sensor_of_positions_shows_how_long_knocks_last() {
 /// A stop that the ringing alone touches, much slower than the axis moves, and that takes most of each impact.
 #[test]
 fn a_stop_that_takes_slow_impacts_is_named() {
-    let (position, hardness, dissipation) = (1.011, 5.0, 6.0);
+    let (position, hardness, dissipation) = (1.011, 5.0, 3.0);
     let said = named(recorded(1e-5, |_, [y, v], _, _| {
         let depth = y - position;
         let push = depth * (1.0 + dissipation * v);

@@ -100,9 +100,9 @@ pub const END_STOP: Effect = Effect {
             name: "dissipation",
             role: ParameterRole::Shape,
             quantity: Quantity::new(0, -1, 1),
-            // An impact with a speed v leaves 1 - 2/3 d v of it (Hunt and Crossley): beyond this bound even a sixtieth of the
+            // An impact with a speed v leaves 1 - 2/3 d v of it (Hunt and Crossley): beyond this bound even a twentieth of the
             // axis' speed leaves nothing.
-            bounds: |scales| (0.0, 100.0 / scales.velocity),
+            bounds: |scales| (0.0, 30.0 / scales.velocity),
             neutral: 0.0,
             typical: |scales| 0.3 / scales.velocity,
         },
