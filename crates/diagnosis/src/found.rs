@@ -6,15 +6,11 @@ use super::figure::figure;
 use super::point::{EffectAt, Global, Point};
 use super::pool::Pool;
 use super::search::Search;
-use super::thresholds::CREDIBLE;
+use super::thresholds::{BARE_MENTION, CREDIBLE};
 use super::units::{told_in, units};
 use quell_model::Term;
 use quell_model::effects::ParameterRole;
 use std::f64::consts::TAU;
-
-/// Fall of the log predictive density of held-out rows that chance may cause: such odds are "not worth more
-/// than a bare mention" (Kass and Raftery 1995).
-const BARE_MENTION: f64 = 1.0;
 
 /// What a search found.
 pub struct Found {

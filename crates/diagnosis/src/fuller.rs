@@ -9,6 +9,7 @@ use super::point::Point;
 use super::problem::Problem;
 use super::search::Search;
 use super::split::HeldOut;
+use super::thresholds::BARE_MENTION;
 use quell_model::Term;
 
 impl Search<'_> {
@@ -22,15 +23,20 @@ impl Search<'_> {
         let Some((all, parts)) = fuller.split_first().filter(|_| !self.problem.is_cut()) else {
             return own;
         };
-        let log = |own: &Explanation| own.log_evidence(CALIBRATED);
+        // Where a mismatch is left, its size and correlation say what a further parameter is worth.
+        let temperature = CALIBRATED * self.judge.unit(&own) * own.evidence.correlation();
+        let log = |own: &Explanation| own.log_evidence(temperature);
         let all = self.with_what_is_short(all);
         if log(&all) <= log(&own) {
             return own;
         }
+        // What makes unseen rows worse is not told, as an effect that does is not.
+        let worse = |next: &Explanation| (next.held_out - own.held_out) / (2.0 * temperature);
+        let holds = |next: &Explanation| {
+            next.at_end.is_none() && log(next) > log(&own) && worse(next) <= BARE_MENTION
+        };
         let parts = parts.iter().map(|point| self.with_what_is_short(point));
-        let known = parts
-            .chain([all])
-            .filter(|next| next.at_end.is_none() && log(next) > log(&own));
+        let known = parts.chain([all]).filter(holds);
         let best = known.max_by(|a, b| log(a).total_cmp(&log(b)));
         best.unwrap_or(own)
     }

@@ -3,6 +3,9 @@
 /// Cost of two unknowns more for the start of a recording: "very strong" evidence (Kass and Raftery, J.
 /// American Statistical Association 90 (1995)).
 pub const STRONG: f64 = 10.0;
+/// Fall of the log predictive density of held-out rows that chance may cause: such odds are "not worth more
+/// than a bare mention" (Kass and Raftery 1995).
+pub const BARE_MENTION: f64 = 1.0;
 /// Chi-squared per row up to which a residual is noise: the noise level is known within a tenth.
 pub const FLOOR: f64 = 1.21;
 /// Chi-squared per row up to which noise is the larger part of what is left.
