@@ -64,20 +64,22 @@ impl Search<'_> {
     }
 
     /// The most hopeful of them. A contradiction that is worth less than an effect is none.
-    fn contradicted(&self, pool: &Pool, temperature: f64) -> Vec<Explanation> {
+    fn contradicted<'p>(&self, pool: &'p Pool, temperature: f64) -> Vec<Explanation> {
         let ranked = pool.ranked(temperature);
         let least = least_credible(ranked[0].1);
         let worth = -self.problem.log_prior_of_one();
-        let hope = |&(own, log): &(&Explanation, f64)| {
+        let hope = |(own, log): (&'p Explanation, f64)| {
             let contradiction = self.judge.contradiction(own) / (2.0 * temperature);
             let is_fitted = own.terms() == 0 || pool.is_fitted_to_all(own);
             let is_one = !is_fitted && contradiction > worth && log + contradiction > least;
-            is_one.then(|| (own.clone(), log + contradiction))
+            is_one.then_some((own, log + contradiction))
         };
-        let mut all: Vec<_> = ranked.iter().filter_map(hope).collect();
+        let mut all: Vec<_> = ranked.into_iter().filter_map(hope).collect();
         all.sort_by(|a, b| b.1.total_cmp(&a.1));
-        all.truncate(BEAM);
-        all.into_iter().map(|own| own.0).collect()
+        all.into_iter()
+            .take(BEAM)
+            .map(|own| own.0.clone())
+            .collect()
     }
 
     /// A structure, fitted from the optimum of all rows, and judged.

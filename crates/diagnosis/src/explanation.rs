@@ -54,6 +54,11 @@ impl Explanation {
         self.fitted.point.structure() == other.structure()
     }
 
+    /// Half the chi-squared of the held-out rows at a temperature.
+    pub fn missed(&self, temperature: f64) -> f64 {
+        self.held_out / (2.0 * temperature)
+    }
+
     /// Log of its marginal likelihood.
     pub fn log_evidence(&self, temperature: f64) -> f64 {
         self.evidence.log(temperature)

@@ -94,10 +94,9 @@ impl Search<'_> {
                 let ablated = self.ablated(&own, pool);
                 let worse = |without: &Explanation| {
                     let foreseen = |own: &Explanation| own.evidence.of_held_out(temperature);
-                    let missed = |own: &Explanation| own.held_out / (2.0 * temperature);
                     let chance = |more: f64| more <= BARE_MENTION;
                     chance(foreseen(without) - foreseen(&own))
-                        && chance(missed(&own) - missed(without))
+                        && chance(own.missed(temperature) - without.missed(temperature))
                 };
                 let meaningful = self.problem.is_meaningful(&own, temperature);
                 if meaningful && ablated.iter().all(worse) {

@@ -1,7 +1,7 @@
 //! Laws with and without the parameters that they may be without: the duration of a knock, the Stribeck curve of bristles.
 //!
-//! Candidates are screened without them. A law is fitted with them, from typical values, when it is a new one, and again in the best
-//! explanation, where other laws no longer hide them.
+//! Candidates are screened without them, where there is an accelerometer also with them. A law is fitted with them, from typical
+//! values, when it is a new one, and again in the best explanation, where other laws no longer hide them.
 
 use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
@@ -31,9 +31,9 @@ impl Search<'_> {
             return own;
         }
         // What makes unseen rows worse is not told, as an effect that does is not.
-        let worse = |next: &Explanation| (next.held_out - own.held_out) / (2.0 * temperature);
         let holds = |next: &Explanation| {
-            next.at_end.is_none() && log(next) > log(&own) && worse(next) <= BARE_MENTION
+            let worse = next.missed(temperature) - own.missed(temperature);
+            next.at_end.is_none() && log(next) > log(&own) && worse <= BARE_MENTION
         };
         let parts = parts.iter().map(|point| self.with_what_is_short(point));
         let known = parts.chain([all]).filter(holds);

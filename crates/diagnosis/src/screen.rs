@@ -193,8 +193,8 @@ impl<'a> Screen<'a> {
     }
 
     /// An effect at its place with the values of its grid, a learned law with the range of that place. What happened in a
-    /// recording has a grid for each. Where there is an accelerometer, a law is tried with and without the parameters that
-    /// hardly act on positions, else without them.
+    /// recording has a grid for each. Where there is an accelerometer, which shows them most, a law is tried with and
+    /// without the parameters that it may be without, else without them.
     fn starts(&self, effect: &'static Effect, place: Place) -> Vec<Term> {
         let problem = self.problem;
         let outputs = problem.experiments.iter().flat_map(|own| &own.outputs);

@@ -18,8 +18,11 @@ struct Bristles {
 }
 
 impl Bristles {
-    /// Deflection at which they slide with a velocity.
+    /// Deflection at which they slide with a velocity: 1 without a Stribeck curve.
     fn level(&self, v: f64) -> f64 {
+        if self.excess == 0.0 {
+            return 1.0;
+        }
         let ratio = v / self.stribeck_velocity;
         1.0 + self.excess * (-ratio * ratio).exp()
     }
@@ -35,21 +38,13 @@ impl Bristles {
     /// Levels at the start of a step, in the middle of its way and at its end. Where the acceleration is constant, the square of
     /// the velocity is linear over the way.
     fn levels(&self, from: f64, to: f64) -> [f64; 3] {
-        if self.excess == 0.0 {
-            return [1.0; 3];
-        }
         let middle = (0.5 * (from * from + to * to)).sqrt();
         [from, middle, to].map(|v| self.level(v))
     }
 
     /// Rate of the deflection, as a share of the velocity.
     fn yielding(&self, v: f64, z: f64) -> f64 {
-        let level = if self.excess == 0.0 {
-            1.0
-        } else {
-            self.level(v)
-        };
-        1.0 - v.signum() * z / level
+        1.0 - v.signum() * z / self.level(v)
     }
 }
 
