@@ -28,6 +28,8 @@ const BELIEVED: f64 = 0.3;
 /// Ratio of the squares of a change's own part and of the rest from which the rest may be the second order of
 /// the own part: a frequency shift of a tenth leaves about a tenth of itself.
 const MOSTLY_OWN: f64 = 10.0;
+/// Times that a size is changed.
+const RESIZED: usize = 2;
 /// Share of the mismatch from which a gain is promising.
 const HOPEFUL: f64 = 0.5;
 
@@ -238,10 +240,13 @@ impl<'a> Screen<'a> {
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
         starts.truncate(each);
         // At a bound of the size the factor is arbitrary. A resized start is used only if its score is better.
-        for own in starts.iter_mut().filter(|own| own.factor != 1.0) {
-            let resized = start(own.resized(self.problem, own.factor));
-            if resized.score > own.score {
-                *own = resized;
+        for own in &mut starts {
+            for _ in 0..RESIZED {
+                let resized = (own.factor != 1.0).then(|| own.resized(self.problem, own.factor));
+                match resized.map(start) {
+                    Some(better) if better.score > own.score => *own = better,
+                    _ => break,
+                }
             }
         }
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
@@ -285,11 +290,17 @@ impl<'a> Screen<'a> {
         let change = self.without_own(change);
         let (product, square) = (change.dot(&self.residual), change.norm_squared());
         let gain = gain(product, square);
-        let towards = gain.is_finite() && product < 0.0;
+        // A change that is larger than the residual is not linear in the size.
+        let larger = self.residual.norm_squared() / square;
+        let factor = match gain.is_finite() {
+            true if product < 0.0 => -product / square,
+            true if larger < 1.0 => larger.sqrt(),
+            _ => 1.0,
+        };
         Promise {
             gain,
             square,
-            factor: if towards { -product / square } else { 1.0 },
+            factor,
         }
     }
 }
