@@ -8,7 +8,7 @@ use super::{
 use std::f64::consts::{PI, TAU};
 
 /// Periods of the lowest frequency in a recording. Fewer are the shape of a drift or of the moves.
-const LEAST_PERIODS: f64 = 8.0;
+const LEAST_PERIODS: f64 = 4.0;
 
 struct Harmonic {
     amplitude: f64,
