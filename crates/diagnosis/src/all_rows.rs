@@ -24,6 +24,18 @@ pub struct AllRows<'a> {
 }
 
 impl<'a> AllRows<'a> {
+    /// A search over all rows.
+    pub fn search<'s>(&'s self, own: &Search<'s>) -> Search<'s>
+    where
+        'a: 's,
+    {
+        Search {
+            problem: &self.problem,
+            projector: &self.projector,
+            ..*own
+        }
+    }
+
     /// The problem of which some rows are fitted, over all of them.
     pub fn of(problem: &Problem<'a>) -> Self {
         let mut problem = problem.clone();
@@ -33,7 +45,13 @@ impl<'a> AllRows<'a> {
     }
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    /// The problem over all rows where stretches are held out. What is held out elsewhere has a start of its own.
+    pub fn all_rows(&self) -> Option<AllRows<'a>> {
+        let are_stretches = self.judge.data.judged_by == HeldOut::Stretches;
+        are_stretches.then(|| AllRows::of(self.problem))
+    }
+
     /// Fits structures again from the optimum of all rows, before further effects are searched in what they leave. Returns
     /// whether there is a better explanation.
     pub fn fit_to_all_rows(&self, pool: &mut Pool) -> bool {
@@ -82,10 +100,14 @@ impl Search<'_> {
             .collect()
     }
 
-    /// A structure, fitted from the optimum of all rows, and judged.
+    /// A structure, fitted from the optimum of all rows, and judged: what is short may be in held-out rows only.
     pub fn fitted_to_all_rows(&self, start: &Point) -> Explanation {
-        let whole = AllRows::of(self.problem);
-        let all = whole.problem.fit(start, &whole.projector, LONG);
-        self.refitted(&all.point)
+        match self.all_rows() {
+            Some(whole) => {
+                let all = whole.problem.fit(start, &whole.projector, LONG);
+                self.refitted(&all.point)
+            }
+            None => self.refitted(start),
+        }
     }
 }

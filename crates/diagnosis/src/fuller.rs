@@ -8,7 +8,6 @@ use super::explanation::Explanation;
 use super::point::Point;
 use super::problem::Problem;
 use super::search::Search;
-use super::split::HeldOut;
 use super::thresholds::BARE_MENTION;
 use quell_model::Term;
 
@@ -26,7 +25,7 @@ impl Search<'_> {
         // Where a mismatch is left, its size and correlation say what a further parameter is worth.
         let temperature = CALIBRATED * self.judge.unit(&own) * own.evidence.correlation();
         let log = |own: &Explanation| own.log_evidence(temperature);
-        let all = self.with_what_is_short(all);
+        let all = self.fitted_to_all_rows(all);
         if log(&all) <= log(&own) {
             return own;
         }
@@ -35,18 +34,10 @@ impl Search<'_> {
             let worse = next.missed(temperature) - own.missed(temperature);
             next.at_end.is_none() && log(next) > log(&own) && worse <= BARE_MENTION
         };
-        let parts = parts.iter().map(|point| self.with_what_is_short(point));
+        let parts = parts.iter().map(|point| self.fitted_to_all_rows(point));
         let known = parts.chain([all]).filter(holds);
         let best = known.max_by(|a, b| log(a).total_cmp(&log(b)));
         best.unwrap_or(own)
-    }
-
-    /// A structure, fitted and judged. What is short may be in held-out rows only.
-    fn with_what_is_short(&self, point: &Point) -> Explanation {
-        match self.judge.data.judged_by {
-            HeldOut::Stretches => self.fitted_to_all_rows(point),
-            _ => self.refitted(point),
-        }
     }
 }
 

@@ -18,6 +18,7 @@ use std::sync::atomic::Ordering::Relaxed;
 const ENOUGH: u64 = 100_000_000;
 
 /// Inputs of the search.
+#[derive(Clone, Copy)]
 pub struct Search<'a> {
     /// The problem.
     pub problem: &'a Problem<'a>,
