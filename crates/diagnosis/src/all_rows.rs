@@ -10,9 +10,10 @@ use super::point::Point;
 use super::pool::Pool;
 use super::problem::Problem;
 use super::projector::Projector;
+use super::screen::Screen;
 use super::search::Search;
 use super::split::{self, HeldOut};
-use super::thresholds::{BEAM, LONG, least_credible};
+use super::thresholds::{BEAM, LONG, SECOND, least_credible};
 use rayon::prelude::*;
 
 /// A problem over all rows of its recordings.
@@ -43,6 +44,20 @@ impl<'a> AllRows<'a> {
         let projector = Projector::new(&problem);
         Self { problem, projector }
     }
+
+    /// Points with other values of one law, beside the others that are fitted without it.
+    fn starts_anew(&self, point: &Point, law: usize) -> Vec<Point> {
+        let (effect, place) = point.terms[law].identity();
+        if effect.is_learned() {
+            return Vec::new();
+        }
+        let (problem, projector) = (&self.problem, &self.projector);
+        let part = problem.fit(&point.without(law), projector, LONG).point;
+        let linear = problem.linearise(&part, projector);
+        let screen = Screen::new(problem, &part, &linear, projector);
+        let starts = screen.sizes(effect, place, SECOND).into_iter();
+        starts.map(|start| part.with(start.term)).collect()
+    }
 }
 
 impl<'a> Search<'a> {
@@ -72,7 +87,7 @@ impl<'a> Search<'a> {
             pool.mark_fitted_to_all(&contradicted);
             let again = contradicted
                 .par_iter()
-                .map(|own| self.fitted_to_all_rows(&own.fitted.point));
+                .map(|own| self.fitted_anew_to_all_rows(&own.fitted.point));
             let again: Vec<Explanation> = again.collect();
             for (own, from) in again.into_iter().zip(&contradicted) {
                 self.log(&own, from, temperature);
@@ -109,5 +124,21 @@ impl<'a> Search<'a> {
             }
             None => self.refitted(start),
         }
+    }
+
+    /// The same from the best of several starts: the point, and for each of its laws the sizes that are screened best in all
+    /// rows. What hardly acts in the fitted rows leads their fit to any of its minima.
+    fn fitted_anew_to_all_rows(&self, point: &Point) -> Explanation {
+        let Some(whole) = self.all_rows() else {
+            return self.refitted(point);
+        };
+        let laws = point.given_terms..point.terms.len();
+        let starts = laws.flat_map(|law| whole.starts_anew(point, law));
+        let starts: Vec<Point> = std::iter::once(point.clone()).chain(starts).collect();
+        let fits = starts
+            .par_iter()
+            .map(|start| whole.problem.fit(start, &whole.projector, LONG));
+        let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        self.refitted(best.as_ref().map_or(point, |own| &own.point))
     }
 }

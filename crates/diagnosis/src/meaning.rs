@@ -128,7 +128,8 @@ fn is_meaningless(parameter: &Parameter, bound: f64, contains: bool) -> bool {
     match parameter.role {
         // No instant is neutral: the first one is the start, after the last one nothing is seen.
         ParameterRole::Time => true,
-        ParameterRole::Shape if contains => true,
+        // A shape may be anything that its prior holds for plausible; its bound is a choice.
+        ParameterRole::Shape => contains,
         role => has_ends(role) && bound != parameter.neutral && !whole,
     }
 }

@@ -226,7 +226,7 @@ impl<'a> Screen<'a> {
     }
 
     /// The best sizes of one candidate.
-    fn sizes(&self, effect: &'static Effect, place: Place, each: usize) -> Vec<Start> {
+    pub fn sizes(&self, effect: &'static Effect, place: Place, each: usize) -> Vec<Start> {
         let start = |term: Term| {
             let (score, factor) = self.score(&self.point.with(term.clone()));
             Start {

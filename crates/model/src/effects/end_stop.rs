@@ -45,6 +45,10 @@ impl Force for EndStop {
         f64::from(u8::from(depth > 0.0 && push > 0.0))
     }
 
+    fn stiffness(&self, _v: f64, memory: &Memory) -> f64 {
+        memory.state * self.stiffness
+    }
+
     /// Positive in contact, which begins where the depth vanishes and ends where the force vanishes.
     fn switch(&self, _motion: &Motion, x: f64, v: f64, memory: &Memory) -> Option<f64> {
         let [depth, push] = self.contact(x, v);
@@ -73,7 +77,8 @@ pub const END_STOP: Effect = Effect {
             name: "stiffness",
             role: ParameterRole::Size,
             quantity: Quantity::new(1, -1, 0),
-            bounds: |scales| (0.0, 20.0 * scales.force / scales.deformation),
+            // A link on a stiffer one vibrates at more than ten times the joint's frequency: that stop is rigid.
+            bounds: |scales| (0.0, 100.0 * scales.force / scales.deformation),
             neutral: 0.0,
             typical: |scales| scales.force / scales.deformation,
         },
