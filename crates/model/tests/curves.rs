@@ -141,7 +141,7 @@ fn a_curve_is_the_force_that_the_chain_feels() {
         let Some(slot) = effect.slot() else { continue };
         if matches!(
             slot,
-            Slot::Drive | Slot::Sensor | Slot::SensorDrift | Slot::Inertia
+            Slot::Drive | Slot::Sensor | Slot::SensorDrift | Slot::Clock | Slot::Inertia
         ) {
             continue;
         }
@@ -195,6 +195,7 @@ fn curves_outside_of_the_chain_are_what_is_added() {
         "learned_drive",
         "learned_sensor",
         "learned_sensor_drift",
+        "learned_clock",
         "learned_frequency",
     ] {
         let values = values(effect(name));

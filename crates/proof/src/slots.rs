@@ -30,6 +30,7 @@ const LEARNED: &[(&str, &[&str])] = &[
     ("learned_position_stiffness", &["pose"]),
     ("learned_speed_stiffness", &["stiffness over speed"]),
     ("learned_sensor_drift", &["time"]),
+    ("learned_clock", &["time"]),
     ("maxwell_slip", &["hysteresis"]),
 ];
 

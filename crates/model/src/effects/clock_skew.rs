@@ -3,6 +3,7 @@
 use super::grid::sizes;
 use super::{
     Effect, Law, Likeness, Parameter, ParameterRole, Place, Property, Quantity, Scales, Sensor,
+    Slot,
 };
 
 struct Skew {
@@ -33,7 +34,10 @@ pub const CLOCK_SKEW: Effect = Effect {
         neutral: 0.0,
         typical: |scales| 0.3 * shift_of_deformation(scales),
     }],
-    properties: &[Property::Alike(Likeness::ShiftInTime)],
+    properties: &[
+        Property::Alike(Likeness::ShiftInTime),
+        Property::Slot(Slot::Clock),
+    ],
     law: |p| Law::Sensor(Box::new(Skew { skew: p[0] })),
     starts: |scales| sizes(shift_of_deformation(scales), [-0.3, 0.3]),
 };

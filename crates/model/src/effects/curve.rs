@@ -56,6 +56,7 @@ fn value(slot: Slot, law: &Law, at: &Motion, point: f64) -> Option<f64> {
         (Slot::Inertia, Law::Inertia(law)) => law.factor(at.time, point) - 1.0,
         (Slot::Sensor, Law::Sensor(law)) => law.read(&reading(at, point)) - point,
         (Slot::SensorDrift, Law::Sensor(law)) => law.read(&reading(&now, 0.0)),
+        (Slot::Clock, Law::Sensor(law)) => law.instant(point) - point,
         _ => return None,
     })
 }

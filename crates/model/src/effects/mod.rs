@@ -34,6 +34,7 @@ mod harmonic_disturbance;
 mod hysteretic_stiffness;
 mod law;
 mod learned;
+mod learned_clock;
 mod learned_damping;
 mod learned_damping_drift;
 mod learned_drift;
@@ -235,6 +236,7 @@ pub const LEARNED: &[&Effect] = &[
     &learned_frequency::LEARNED_FREQUENCY,
     &learned_sensor::LEARNED_SENSOR,
     &learned_sensor_drift::LEARNED_SENSOR_DRIFT,
+    &learned_clock::LEARNED_CLOCK,
 ];
 
 impl Effect {

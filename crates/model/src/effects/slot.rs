@@ -56,6 +56,8 @@ pub enum Slot {
     JointDamping,
     /// Addition of the sensor to a reading of 0, over time.
     SensorDrift,
+    /// Shift of the sensor's stamps over time.
+    Clock,
     /// Force over the displacement on the first loading from rest. A hysteresis has a memory: if it follows
     /// Masing's rules, this curve also determines it after a reversal.
     Hysteresis,
@@ -167,6 +169,13 @@ const SLOTS: &[(Slot, &str, Coordinate, &str, Quantity)] = &[
         Coordinate::Time,
         "error of the sensor",
         Quantity::POSITION,
+    ),
+    (
+        Slot::Clock,
+        "clock over time",
+        Coordinate::Time,
+        "shift of the stamps",
+        Quantity::TIME,
     ),
     (
         Slot::Hysteresis,
