@@ -28,8 +28,6 @@ const BELIEVED: f64 = 0.3;
 /// Ratio of the squares of a change's own part and of the rest from which the rest may be the second order of
 /// the own part: a frequency shift of a tenth leaves about a tenth of itself.
 const MOSTLY_OWN: f64 = 10.0;
-/// Times that a size is changed.
-const RESIZED: usize = 2;
 /// Share of the mismatch from which a gain is promising.
 const HOPEFUL: f64 = 0.5;
 
@@ -240,13 +238,10 @@ impl<'a> Screen<'a> {
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
         starts.truncate(each);
         // At a bound of the size the factor is arbitrary. A resized start is used only if its score is better.
-        for own in &mut starts {
-            for _ in 0..RESIZED {
-                let resized = (own.factor != 1.0).then(|| own.resized(self.problem, own.factor));
-                match resized.map(start) {
-                    Some(better) if better.score > own.score => *own = better,
-                    _ => break,
-                }
+        for own in starts.iter_mut().filter(|own| own.factor != 1.0) {
+            let resized = start(own.resized(self.problem, own.factor));
+            if resized.score > own.score {
+                *own = resized;
             }
         }
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));

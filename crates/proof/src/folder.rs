@@ -134,10 +134,10 @@ pub fn write_cases(folder: &Path, cases: &[Case]) -> Result<Vec<SealedCase>, Fol
     Ok(sealed)
 }
 
-/// The cases in a folder in the order of their names; the truth is not read.
+/// The cases in a folder in the order of their names. The truth is not read, but it must be there: hours later the score needs it.
 ///
 /// # Errors
-/// [`FolderError`] where the folder cannot be read or has no case.
+/// [`FolderError`] where the folder cannot be read, has no case, or has no truth.
 pub fn read_cases(folder: &Path) -> Result<Vec<SealedCase>, FolderError> {
     let entries = std::fs::read_dir(folder).map_err(|source| file(folder, source))?;
     let mut cases = Vec::new();
@@ -151,6 +151,8 @@ pub fn read_cases(folder: &Path) -> Result<Vec<SealedCase>, FolderError> {
             path: folder.into(),
         });
     }
+    let truth = folder.join(TRUTH);
+    std::fs::metadata(&truth).map_err(|source| file(&truth, source))?;
     Ok(cases)
 }
 
