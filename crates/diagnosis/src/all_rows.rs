@@ -25,6 +25,14 @@ pub struct AllRows<'a> {
 }
 
 impl<'a> AllRows<'a> {
+    /// The problem of which some rows are fitted, over all of them.
+    pub fn of(problem: &Problem<'a>) -> Self {
+        let mut problem = problem.clone();
+        problem.rows = problem.experiments.iter().map(split::whole).collect();
+        let projector = Projector::new(&problem);
+        Self { problem, projector }
+    }
+
     /// A search over all rows.
     pub fn search<'s>(&'s self, own: &Search<'s>) -> Search<'s>
     where
@@ -35,14 +43,6 @@ impl<'a> AllRows<'a> {
             projector: &self.projector,
             ..*own
         }
-    }
-
-    /// The problem of which some rows are fitted, over all of them.
-    pub fn of(problem: &Problem<'a>) -> Self {
-        let mut problem = problem.clone();
-        problem.rows = problem.experiments.iter().map(split::whole).collect();
-        let projector = Projector::new(&problem);
-        Self { problem, projector }
     }
 
     /// Points with other values of one law, beside the others that are fitted without it.
