@@ -23,8 +23,8 @@ impl Problem<'_> {
     ///
     /// The bounds of a parameter are those of the motion: a gap is no wider than the travel, a period no longer, a
     /// frequency within the band. The ends of a share are laws of their own, and a phase has no ends.
-    /// An event at the first instant is nothing but another start of the motion. The end of a shape's range is a choice, unless
-    /// its law contains a simpler one there. A shape that may be anything within its range says nothing at its end either.
+    /// An event at the first instant is nothing but another start of the motion. A shape that may be anything
+    /// within its range says nothing at its end either.
     pub fn at_end(&self, fitted: &Fitted, evidence: &Evidence) -> Option<(usize, usize)> {
         let point = &fitted.point;
         // Each fit is judged, and few have a shape near an end.
@@ -128,8 +128,7 @@ fn is_meaningless(parameter: &Parameter, bound: f64, contains: bool) -> bool {
     match parameter.role {
         // No instant is neutral: the first one is the start, after the last one nothing is seen.
         ParameterRole::Time => true,
-        // A shape may be anything that its prior holds for plausible; its bound is a choice.
-        ParameterRole::Shape => contains,
+        ParameterRole::Shape if contains => true,
         role => has_ends(role) && bound != parameter.neutral && !whole,
     }
 }
