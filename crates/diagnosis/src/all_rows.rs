@@ -87,7 +87,7 @@ impl<'a> Search<'a> {
             pool.mark_fitted_to_all(&contradicted);
             let again = contradicted
                 .par_iter()
-                .map(|own| self.fitted_anew_to_all_rows(&own.fitted.point));
+                .map(|own| self.fitted_anew_to_all_rows(own, temperature));
             let again: Vec<Explanation> = again.collect();
             for (own, from) in again.into_iter().zip(&contradicted) {
                 self.log(&own, from, temperature);
@@ -100,12 +100,13 @@ impl<'a> Search<'a> {
     fn contradicted<'p>(&self, pool: &'p Pool, temperature: f64) -> Vec<Explanation> {
         let ranked = pool.ranked(temperature);
         let least = least_credible(ranked[0].1);
-        let worth = -self.problem.log_prior_of_one();
         let hope = |(own, log): (&'p Explanation, f64)| {
-            let contradiction = self.judge.contradiction(own) / (2.0 * temperature);
             let is_fitted = own.terms() == 0 || pool.is_fitted_to_all(own);
-            let is_one = !is_fitted && contradiction > worth && log + contradiction > least;
-            is_one.then_some((own, log + contradiction))
+            let contradiction = self
+                .contradiction(own, temperature)
+                .filter(|_| !is_fitted)?;
+            let hope = log + contradiction;
+            (hope > least).then_some((own, hope))
         };
         let mut all: Vec<_> = ranked.into_iter().filter_map(hope).collect();
         all.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -113,6 +114,12 @@ impl<'a> Search<'a> {
             .take(BEAM)
             .map(|own| own.0.clone())
             .collect()
+    }
+
+    /// Log of the odds that held-out rows have against an explanation at a temperature, where it is worth an effect.
+    fn contradiction(&self, own: &Explanation, temperature: f64) -> Option<f64> {
+        let contradiction = self.judge.contradiction(own) / (2.0 * temperature);
+        (contradiction > -self.problem.log_prior_of_one()).then_some(contradiction)
     }
 
     /// A structure, fitted from the optimum of all rows, and judged: what is short may be in held-out rows only.
@@ -126,19 +133,29 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The same from the best of several starts: the point, and for each of its laws the sizes that are screened best in all
-    /// rows. What hardly acts in the fitted rows leads their fit to any of its minima.
-    fn fitted_anew_to_all_rows(&self, point: &Point) -> Explanation {
-        let Some(whole) = self.all_rows() else {
-            return self.refitted(point);
+    /// The same, and where held-out rows contradict it still, from the best of further starts: for each of its laws the sizes
+    /// that are screened best in all rows. What hardly acts in the fitted rows leads their fit to any of its minima.
+    fn fitted_anew_to_all_rows(&self, own: &Explanation, temperature: f64) -> Explanation {
+        let point = &own.fitted.point;
+        let again = self.fitted_to_all_rows(point);
+        let whole = self.all_rows().filter(|_| {
+            let contradiction = self.contradiction(&again, temperature);
+            contradiction.is_some()
+        });
+        let Some(whole) = whole else {
+            return again;
         };
         let laws = point.given_terms..point.terms.len();
-        let starts = laws.flat_map(|law| whole.starts_anew(point, law));
-        let starts: Vec<Point> = std::iter::once(point.clone()).chain(starts).collect();
+        let starts: Vec<Point> = laws.flat_map(|law| whole.starts_anew(point, law)).collect();
         let fits = starts
             .par_iter()
             .map(|start| whole.problem.fit(start, &whole.projector, LONG));
         let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
-        self.refitted(best.as_ref().map_or(point, |own| &own.point))
+        let anew = best.map(|own| self.refitted(&own.point));
+        let log = |own: &Explanation| own.log_evidence(temperature);
+        match anew {
+            Some(anew) if log(&anew) > log(&again) => anew,
+            _ => again,
+        }
     }
 }

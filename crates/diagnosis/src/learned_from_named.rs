@@ -16,22 +16,17 @@ use quell_model::effects::{Effect, Slot, curve};
 use rayon::prelude::*;
 
 impl Search<'_> {
-    /// Puts a learned law in the place of the named laws of each slot, where they leave more than noise, or are several and may
-    /// be parts of one curve: in the best explanation, and in the most likely ones of as many effects, since the best may have
-    /// come near by a law of another slot. Once for each structure. Returns whether there is a better explanation.
+    /// Puts a learned law in the place of the named laws of each slot of the best explanation, where that leaves more than
+    /// noise, or these are several and may be parts of one curve; once for each structure. Returns whether there is a better
+    /// explanation.
     pub fn learn_from_named(&self, pool: &mut Pool) -> bool {
         let best = pool.best(self.judge).clone();
-        let mut from = vec![best.clone()];
-        if !self.leaves_noise(&best) {
-            from.extend(pool.most_likely(best.terms()));
+        if self.problem.is_cut() || !pool.mark_learned_from(&best) {
+            return false;
         }
-        from.retain(|own| !self.problem.is_cut() && pool.mark_learned_from(own));
-        let learned = candidates(self.problem, Table::Learned);
-        let starts = from.par_iter().flat_map_iter(|own| {
-            let least = if self.leaves_noise(own) { 2 } else { 1 };
-            let learned = learned.iter();
-            learned.flat_map(move |law| self.at_curves(own, *law, least))
-        });
+        let least = if self.leaves_noise(&best) { 2 } else { 1 };
+        let learned = candidates(self.problem, Table::Learned).into_par_iter();
+        let starts = learned.flat_map_iter(|own| self.at_curves(&best, own, least));
         let found: Vec<Explanation> = starts.map(|point| self.refitted(&point)).collect();
         found.into_iter().for_each(|own| pool.add(own));
         !pool.best(self.judge).is_like(&best)
