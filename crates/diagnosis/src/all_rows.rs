@@ -138,11 +138,10 @@ impl<'a> Search<'a> {
     fn fitted_anew_to_all_rows(&self, own: &Explanation, temperature: f64) -> Explanation {
         let point = &own.fitted.point;
         let again = self.fitted_to_all_rows(point);
-        let whole = self.all_rows().filter(|_| {
-            let contradiction = self.contradiction(&again, temperature);
-            contradiction.is_some()
-        });
-        let Some(whole) = whole else {
+        if self.contradiction(&again, temperature).is_none() {
+            return again;
+        }
+        let Some(whole) = self.all_rows() else {
             return again;
         };
         let laws = point.given_terms..point.terms.len();
@@ -153,9 +152,6 @@ impl<'a> Search<'a> {
         let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
         let anew = best.map(|own| self.refitted(&own.point));
         let log = |own: &Explanation| own.log_evidence(temperature);
-        match anew {
-            Some(anew) if log(&anew) > log(&again) => anew,
-            _ => again,
-        }
+        anew.filter(|anew| log(anew) > log(&again)).unwrap_or(again)
     }
 }

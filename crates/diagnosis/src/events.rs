@@ -19,13 +19,17 @@ impl Search<'_> {
         let Some(event) = last.filter(|term| term.effect.recurs()) else {
             return explanation;
         };
+        let occasions = self.occasions(event);
+        if occasions.is_empty() {
+            return explanation;
+        }
         let temperature = CALIBRATED * self.judge.unit(&explanation);
         // What happens between two fitted stretches is seen in the held-out ones only.
         let whole = self.all_rows();
         let all = whole.as_ref().map_or(*self, |own| own.search(self));
         let mut best = explanation.clone();
         let mut known = None;
-        for starts in self.occasions(event) {
+        for starts in occasions {
             let point = &best.fitted.point;
             if self.problem.is_cut() {
                 break;

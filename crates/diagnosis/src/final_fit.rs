@@ -7,12 +7,10 @@
 //! Source: Hastie, Tibshirani and Friedman, The Elements of Statistical Learning (2009), section 7.10.1: the model that
 //! held-out data chose is fitted to all data.
 
-use super::all_rows::AllRows;
 use super::explanation::Explanation;
 use super::found::Found;
 use super::judge::Judge;
 use super::search::Search;
-use super::split::HeldOut;
 use super::stop::Stop;
 
 /// Calls a function with the search over the rows of the final fit, and with the refitted model and the best explanation as
@@ -23,18 +21,15 @@ pub fn with_final_fit<T>(
     enough: &Stop,
     then: impl FnOnce(&Search, [&Explanation; 2]) -> T,
 ) -> T {
-    if search.judge.data.judged_by != HeldOut::Stretches || enough.now() {
+    let Some(all) = search.all_rows().filter(|_| !enough.now()) else {
         return then(search, [&found.baseline, &found.best]);
-    }
-    let AllRows { problem, projector } = AllRows::of(search.problem);
+    };
     let data = search.judge.data.with_all_rows();
     let start = &found.baseline.fitted.point;
-    let judge = Judge::new(search.judge.model, &data, &problem, start);
+    let judge = Judge::new(search.judge.model, &data, &all.problem, start);
     let whole = Search {
-        problem: &problem,
-        projector: &projector,
         judge: &judge,
-        ..*search
+        ..all.search(search)
     };
     let baseline = whole.refitted(start);
     let best = (found.best.terms() > 0).then(|| whole.refitted(&found.best.fitted.point));
