@@ -38,8 +38,19 @@ pub struct Start {
     pub term: Term,
     /// Expected fall of the cost.
     pub score: f64,
-    /// Factor on the size at which the cost would be least if the effect were linear in it.
-    factor: f64,
+    /// Factor on the size at which it is tried again.
+    factor: Factor,
+}
+
+/// Factor on a size at which it is tried again.
+#[derive(Clone, Copy, PartialEq)]
+enum Factor {
+    /// The change is larger than the residual, and so not linear in the size: the ratio of their lengths.
+    Smaller(f64),
+    /// The cost would be least there if the effect were linear in its size.
+    Linear(f64),
+    /// There is none.
+    None,
 }
 
 /// All effects of a table that the model can lack, at their places. Two effects that are the same law, since
@@ -238,10 +249,18 @@ impl<'a> Screen<'a> {
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
         starts.truncate(each);
         // At a bound of the size the factor is arbitrary. A resized start is used only if its score is better.
-        for own in starts.iter_mut().filter(|own| own.factor != 1.0) {
-            let resized = start(own.resized(self.problem, own.factor));
-            if resized.score > own.score {
-                *own = resized;
+        // A size is reduced before it is tried at the optimum of a linear effect.
+        for reduces in [true, false] {
+            for own in &mut starts {
+                let factor = match own.factor {
+                    Factor::Smaller(factor) if reduces => factor,
+                    Factor::Linear(factor) if !reduces => factor,
+                    _ => continue,
+                };
+                let resized = start(own.resized(self.problem, factor));
+                if resized.score > own.score {
+                    *own = resized;
+                }
             }
         }
         starts.sort_by(|a, b| b.score.total_cmp(&a.score));
@@ -249,7 +268,7 @@ impl<'a> Screen<'a> {
     }
 
     /// Expected gain of a candidate, and the factor of its size.
-    fn score(&self, moved: &Point) -> (f64, f64) {
+    fn score(&self, moved: &Point) -> (f64, Factor) {
         let change = self.changed(moved);
         let own = self.basis.tr_mul(&change).norm_squared();
         let plain = self.promise(change.clone());
@@ -285,11 +304,16 @@ impl<'a> Screen<'a> {
         let change = self.without_own(change);
         let (product, square) = (change.dot(&self.residual), change.norm_squared());
         let gain = gain(product, square);
-        let towards = gain.is_finite() && product < 0.0;
+        let ratio = self.residual.norm_squared() / square;
+        let factor = match gain.is_finite() {
+            true if product < 0.0 => Factor::Linear(-product / square),
+            true if ratio < 1.0 => Factor::Smaller(ratio.sqrt()),
+            _ => Factor::None,
+        };
         Promise {
             gain,
             square,
-            factor: if towards { -product / square } else { 1.0 },
+            factor,
         }
     }
 }
@@ -300,8 +324,8 @@ struct Promise {
     gain: f64,
     /// Squared length of that part.
     square: f64,
-    /// Factor on the change at which the cost would be least.
-    factor: f64,
+    /// Factor on the size at which it is tried again.
+    factor: Factor,
 }
 
 fn stacked(rows: &[DVector<f64>]) -> DVector<f64> {

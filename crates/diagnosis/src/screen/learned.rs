@@ -1,6 +1,6 @@
 //! Screening of learned laws: the likeliest curve in first order, and its evidence.
 
-use super::{Screen, Start};
+use super::{Factor, Screen, Start};
 use crate::autocorrelation::correlation;
 use crate::curves::{ordinates, root, size};
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -82,7 +82,7 @@ impl Screen<'_> {
             Some(Start {
                 term: own.term,
                 score,
-                factor: 1.0,
+                factor: Factor::None,
             })
         };
         let mut all: Vec<Start> = curves.into_iter().filter_map(start).collect();
