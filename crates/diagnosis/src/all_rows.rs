@@ -48,14 +48,15 @@ impl<'a> AllRows<'a> {
     /// Points with other values of one law, beside the others that are fitted without it.
     fn starts_anew(&self, point: &Point, law: usize) -> Vec<Point> {
         let (effect, place) = point.terms[law].identity();
-        if effect.is_learned() {
-            return Vec::new();
-        }
         let (problem, projector) = (&self.problem, &self.projector);
         let part = problem.fit(&point.without(law), projector, LONG).point;
         let linear = problem.linearise(&part, projector);
         let screen = Screen::new(problem, &part, &linear, projector);
-        let starts = screen.sizes(effect, place, SECOND).into_iter();
+        let starts = match effect.is_learned() {
+            true => screen.learned(effect, place),
+            false => screen.sizes(effect, place, SECOND),
+        };
+        let starts = starts.into_iter();
         starts.map(|start| part.with(start.term)).collect()
     }
 }
