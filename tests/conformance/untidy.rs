@@ -46,15 +46,25 @@ fn moved(t: f64) -> f64 {
 
 /// Motor side and link of a joint with a spring, over the deformation, and a friction, over the link's speed, each over the
 /// stiffness, by Euler's symplectic rule.
-fn motion(spring: impl Fn(f64) -> f64, mut friction: impl FnMut(f64) -> f64) -> [Vec<f64>; 2] {
+fn motion(spring: impl Fn(f64) -> f64, friction: impl FnMut(f64) -> f64) -> [Vec<f64>; 2] {
+    motion_behind(|u| u, spring, friction)
+}
+
+/// The same behind a transmission, which passes on a function of the motor side's position.
+fn motion_behind(
+    passed_on: impl Fn(f64) -> f64,
+    spring: impl Fn(f64) -> f64,
+    mut friction: impl FnMut(f64) -> f64,
+) -> [Vec<f64>; 2] {
     let [mut y, mut v] = [0.0_f64; 2];
     let mut sides = [Vec::new(), Vec::new()];
     for sample in 0..SAMPLES {
         let at = |step: u32| moved(f64::from(sample * STEPS + step) * STEP);
+        let moved = |step: u32| passed_on(at(step));
         sides[0].push(at(0));
         sides[1].push(y);
         for step in 0..STEPS {
-            let (u, speed) = (at(step), (at(step + 1) - at(step)) / STEP);
+            let (u, speed) = (moved(step), (moved(step + 1) - moved(step)) / STEP);
             let held = spring(y - u) + 2.0 * DAMPING_RATIO / FREQUENCY * (v - speed);
             v -= STEP * FREQUENCY.powi(2) * (held + friction(v));
             y += STEP * v;
@@ -134,4 +144,15 @@ fn a_friction_that_rises_and_falls_about_rest_is_learned() {
         4.0 * FRICTION * ((v / 0.01).tanh() + 0.5 * excess)
     };
     is_learned(motion(|x| x, friction), "learned_friction");
+}
+
+/// An eccentric gear with a bad tooth: an error with harmonics, of which the travel has a period and a half.
+#[test]
+fn a_transmission_error_with_harmonics_is_learned() {
+    let error = |u: f64| {
+        let turn = 6.0 * u + 0.5;
+        2e-3 * (turn.sin() + 0.5 * (2.0 * turn + 1.0).sin() + 0.3 * (3.0 * turn).sin())
+    };
+    let motion = motion_behind(|u| u + error(u), |x| x, |_| 0.0);
+    is_learned(motion, "learned_transmission_error");
 }

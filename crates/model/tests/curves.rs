@@ -99,6 +99,7 @@ fn felt(effect: &Effect, place: Place, values: &[f64], state: &State, time: f64)
             chain.frictions.push(FrictionElement { place, law, slides });
         }
         Law::Inertia(inertia) => chain.inertias.push(inertia),
+        Law::Kinematic(error) => chain.kinematics.push(error),
         _ => panic!("{} is not in the chain", effect.name),
     }
     let there = chain.instant(time, state, [0.0; 3]);
@@ -127,6 +128,7 @@ fn state_of(slot: Slot, place: Place, x: f64) -> (State, f64) {
         (Slot::Damping, _) => (state[2], state[3]) = (x, 1.0),
         (Slot::SpeedStiffness, _) => (state[1], state[2], state[3]) = (x, 1.0, x),
         (Slot::JointStiffness, _) => (state[0], state[2]) = (x, x + 1.0),
+        (Slot::TransmissionError, _) => (state[0], state[2]) = (x, x),
         (Slot::JointDamping, _) => (state[0], state[2], state[3]) = (x, x, 1.0),
         (Slot::DampingDrift, _) => (state[3], time) = (1.0, x),
         _ => state[2] = x,
@@ -161,6 +163,10 @@ fn a_curve_is_the_force_that_the_chain_feels() {
                     Slot::StiffnessDrift | Slot::SpeedStiffness | Slot::JointStiffness
                 ) {
                     expected /= STIFFNESS;
+                }
+                // The spring pulls the link after the error.
+                if slot == Slot::TransmissionError {
+                    expected /= -STIFFNESS;
                 }
                 let close = (found - expected).abs() < 1e-12;
                 let name = effect.name;

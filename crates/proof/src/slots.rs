@@ -31,6 +31,7 @@ const LEARNED: &[(&str, &[&str])] = &[
     ("learned_speed_stiffness", &["stiffness over speed"]),
     ("learned_sensor_drift", &["time"]),
     ("learned_clock", &["time"]),
+    ("learned_transmission_error", &["position"]),
     ("maxwell_slip", &["hysteresis"]),
 ];
 

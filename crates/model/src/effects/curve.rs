@@ -51,6 +51,7 @@ fn value(slot: Slot, law: &Law, at: &Motion, point: f64) -> Option<f64> {
         (Slot::JointDamping, Law::Force(law)) => {
             law.force(&driven([point, 0.0]), 0.0, 1.0, &Memory::default())
         }
+        (Slot::TransmissionError, Law::Kinematic(law)) => law(point)[0],
         (Slot::DampingDrift, Law::Force(law)) => law.force(&now, 0.0, 1.0, &Memory::default()),
         (Slot::Drive, Law::Drive(law)) => law.map(point) - point,
         (Slot::Inertia, Law::Inertia(law)) => law.factor(at.time, point) - 1.0,

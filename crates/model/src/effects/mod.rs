@@ -50,6 +50,7 @@ mod learned_sensor;
 mod learned_sensor_drift;
 mod learned_speed_stiffness;
 mod learned_spring;
+mod learned_transmission_error;
 mod levelling;
 mod likeness;
 mod maxwell_slip;
@@ -229,6 +230,7 @@ pub const LEARNED: &[&Effect] = &[
     &learned_damping::LEARNED_DAMPING,
     &learned_joint_damping::LEARNED_JOINT_DAMPING,
     &maxwell_slip::MAXWELL_SLIP,
+    &learned_transmission_error::LEARNED_TRANSMISSION_ERROR,
     &learned_drift::LEARNED_DRIFT,
     &learned_damping_drift::LEARNED_DAMPING_DRIFT,
     &learned_speed_stiffness::LEARNED_SPEED_STIFFNESS,

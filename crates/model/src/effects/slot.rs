@@ -50,6 +50,8 @@ pub enum Slot {
     SpeedStiffness,
     /// Relative change of the stiffness over the position of the motor side.
     JointStiffness,
+    /// Addition of the transmission to the position of the motor side, over that position.
+    TransmissionError,
     /// Damping coefficient over time, beside that of the model's damper.
     DampingDrift,
     /// Damping coefficient across the joint over the position of the motor side, beside that of the model's damper.
@@ -148,6 +150,13 @@ const SLOTS: &[(Slot, &str, Coordinate, &str, Quantity)] = &[
         Coordinate::Position,
         "relative change of the stiffness",
         Quantity::NUMBER,
+    ),
+    (
+        Slot::TransmissionError,
+        "transmission error",
+        Coordinate::Position,
+        "error of the transmission",
+        Quantity::POSITION,
     ),
     (
         Slot::DampingDrift,

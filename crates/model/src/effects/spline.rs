@@ -78,6 +78,15 @@ impl Spline {
         self.end(x).unwrap_or_else(|| self.value(x))
     }
 
+    /// The value and its derivative; beyond the knots the value of the last one, and 0.
+    #[inline]
+    pub fn held(&self, x: f64) -> [f64; 2] {
+        match self.end(x) {
+            Some(end) => [end, 0.0],
+            None => [self.value(x), self.slope(x)],
+        }
+    }
+
     /// The value of the last knot for a place beyond the knots.
     #[inline]
     fn end(&self, x: f64) -> Option<f64> {

@@ -2,7 +2,7 @@
 
 use super::grid::{PHASES, orders, product};
 use super::shared_parameters::{ORDER, PHASE};
-use super::{Effect, Law, Parameter, ParameterRole, Place, Quantity};
+use super::{Effect, Law, Parameter, ParameterRole, Place, Property, Quantity, Slot};
 
 /// The transmission passes on `u + A sin(N u + phase)` instead of `u`.
 pub const TRANSMISSION_RIPPLE: Effect = Effect {
@@ -27,7 +27,7 @@ pub const TRANSMISSION_RIPPLE: Effect = Effect {
         ORDER,
         PHASE,
     ],
-    properties: &[],
+    properties: &[Property::Slot(Slot::TransmissionError)],
     law: |p| {
         let (amplitude, order, phase) = (p[0], p[1], p[2]);
         Law::Kinematic(Box::new(move |u| {
