@@ -25,11 +25,31 @@ impl Search<'_> {
             return false;
         }
         let least = if self.leaves_noise(&best) { 2 } else { 1 };
-        let learned = candidates(self.problem, Table::Learned).into_par_iter();
-        let starts = learned.flat_map_iter(|own| self.at_curves(&best, own, least));
-        let found: Vec<Explanation> = starts.map(|point| self.refitted(&point)).collect();
-        found.into_iter().for_each(|own| pool.add(own));
+        self.at_all_curves(&best, least)
+            .into_iter()
+            .for_each(|own| pool.add(own));
         !pool.best(self.judge).is_like(&best)
+    }
+
+    /// Puts a learned law in the place of several named ones of a slot before there is a further effect, even where a parameter
+    /// of these is at the end of its range: they may be parts of one curve. Returns whether there is a better explanation.
+    pub fn joined_by_curve(&self, pool: &mut Pool) -> bool {
+        let best = pool.best(self.judge).clone();
+        let highest = pool.of_highest_evidence(self.judge).clone();
+        if self.problem.is_cut() || highest.terms() < 2 || !pool.mark_joined(&highest) {
+            return false;
+        }
+        self.at_all_curves(&highest, 2)
+            .into_iter()
+            .for_each(|own| pool.add(own));
+        !pool.best(self.judge).is_like(&best)
+    }
+
+    /// An explanation with learned laws in the place of its named ones, where these are at least so many of a slot.
+    fn at_all_curves(&self, own: &Explanation, least: usize) -> Vec<Explanation> {
+        let learned = candidates(self.problem, Table::Learned).into_par_iter();
+        let starts = learned.flat_map_iter(|law| self.at_curves(own, law, least));
+        starts.map(|point| self.refitted(&point)).collect()
     }
 
     /// An explanation with a learned law, at each of its resolutions, in the place of all its named laws of the same slot, if

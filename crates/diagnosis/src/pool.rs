@@ -31,6 +31,8 @@ struct Entry {
     from_all: bool,
     /// Whether learned laws were begun at the curves of its named ones.
     learned_from: bool,
+    /// Whether they were begun where several of these are in one slot.
+    joined: bool,
 }
 
 impl Entry {
@@ -40,6 +42,7 @@ impl Entry {
             thinned: false,
             from_all: false,
             learned_from: false,
+            joined: false,
         }
     }
 }
@@ -103,6 +106,22 @@ impl Pool {
         entry.is_some_and(|entry| !std::mem::replace(&mut entry.learned_from, true))
     }
 
+    /// Marks a structure as one in which several laws of a slot were joined; returns whether it was not marked before.
+    pub fn mark_joined(&mut self, own: &Explanation) -> bool {
+        let mut entries = self.all.iter_mut();
+        let entry = entries.find(|entry| entry.own.is_like(own));
+        entry.is_some_and(|entry| !std::mem::replace(&mut entry.joined, true))
+    }
+
+    /// The explanation of the highest evidence, even with a parameter at the end of its range.
+    pub fn of_highest_evidence(&self, judge: &Judge) -> &Explanation {
+        let temperature = self.temperature(judge);
+        let log = |own: &Explanation| own.log_evidence(temperature);
+        let all = self.all.iter().map(|entry| &entry.own);
+        let best = all.max_by(|a, b| log(a).total_cmp(&log(b)));
+        best.unwrap_or(self.baseline())
+    }
+
     /// Number of structures.
     pub fn count(&self) -> usize {
         self.all.len()
@@ -128,6 +147,7 @@ impl Pool {
                 thinned: entry.thinned && !own.is_meaningless,
                 from_all: entry.from_all,
                 learned_from: entry.learned_from,
+                joined: entry.joined,
                 own,
             }
         };
