@@ -37,6 +37,13 @@ impl Explanation {
         self.fitted.point.terms.len() - self.fitted.point.given_terms
     }
 
+    /// Number of parameters of its effects: a learned law has several resolutions.
+    pub fn resolution(&self) -> usize {
+        let point = &self.fitted.point;
+        let added = point.terms[point.given_terms..].iter();
+        added.map(|term| term.values.len()).sum()
+    }
+
     /// Whether one of its laws was learned.
     pub fn is_learned(&self) -> bool {
         let point = &self.fitted.point;

@@ -27,7 +27,7 @@ impl Search<'_> {
         let least = if self.leaves_noise(&best) { 2 } else { 1 };
         self.at_all_curves(&best, least)
             .into_iter()
-            .for_each(|own| pool.add(own));
+            .for_each(|own| pool.add(own, self.judge));
         !pool.best(self.judge).is_like(&best)
     }
 
@@ -41,7 +41,7 @@ impl Search<'_> {
         }
         self.at_all_curves(&highest, 2)
             .into_iter()
-            .for_each(|own| pool.add(own));
+            .for_each(|own| pool.add(own, self.judge));
         !pool.best(self.judge).is_like(&best)
     }
 

@@ -74,15 +74,22 @@ impl Pool {
 
     /// Adds an explanation, unless the pool has the same structure with a fit that is as likely, were only noise left. The
     /// fitted rows alone do not say which of two fits is better: a law that hardly acts in them is told by the held-out rows.
-    pub fn add(&mut self, next: Explanation) {
-        let odds = |own: &Explanation| own.log_evidence(CALIBRATED);
-        match self.all.iter_mut().find(|entry| entry.own.is_like(&next)) {
-            Some(entry) if odds(&next) > odds(&entry.own) => {
-                entry.own = next;
-                entry.thinned = false;
-            }
-            Some(_) => {}
-            None => self.all.push(Entry::new(next)),
+    /// Of two resolutions of a curve the finer one follows an error of the other laws, too: what counts is how likely they are
+    /// at the temperature of the pool.
+    pub fn add(&mut self, next: Explanation, judge: &Judge) {
+        let known = self.all.iter().position(|entry| entry.own.is_like(&next));
+        let Some(known) = known else {
+            return self.all.push(Entry::new(next));
+        };
+        let own = &self.all[known].own;
+        let temperature = match own.resolution() == next.resolution() {
+            true => CALIBRATED,
+            false => self.temperature(judge),
+        };
+        if next.log_evidence(temperature) > own.log_evidence(temperature) {
+            let entry = &mut self.all[known];
+            entry.own = next;
+            entry.thinned = false;
         }
     }
 

@@ -99,7 +99,9 @@ impl Search<'_> {
     pub fn add_extended(&self, pool: &mut Pool, own: &Explanation, table: Table) {
         if !self.problem.is_cut() {
             let children = self.extend(own, table, pool);
-            children.into_iter().for_each(|child| pool.add(child));
+            children
+                .into_iter()
+                .for_each(|child| pool.add(child, self.judge));
         }
         pool.mark(own, table);
     }
@@ -159,8 +161,10 @@ impl Search<'_> {
             });
             let simpler = simpler.chain(self.problem.simpler(point));
             let simpler: Vec<Explanation> = simpler.map(|point| self.refitted(&point)).collect();
-            simpler.into_iter().for_each(|next| pool.add(next));
-            pool.add(self.in_full(own, |_| true));
+            simpler
+                .into_iter()
+                .for_each(|next| pool.add(next, self.judge));
+            pool.add(self.in_full(own, |_| true), self.judge);
         }
     }
 
@@ -209,7 +213,7 @@ impl Search<'_> {
             }
             None => {
                 let fitted = self.refitted(part);
-                pool.add(fitted.clone());
+                pool.add(fitted.clone(), self.judge);
                 fitted
             }
         };
