@@ -17,39 +17,32 @@ use rayon::prelude::*;
 
 impl Search<'_> {
     /// Puts a learned law in the place of the named laws of each slot of the best explanation, where that leaves more than
-    /// noise, or these are several and may be parts of one curve; once for each structure. Returns whether there is a better
-    /// explanation.
+    /// noise, or these are several. Returns whether there is a better explanation.
     pub fn learn_from_named(&self, pool: &mut Pool) -> bool {
         let best = pool.best(self.judge).clone();
-        if self.problem.is_cut() || !pool.mark_learned_from(&best) {
-            return false;
-        }
         let least = if self.leaves_noise(&best) { 2 } else { 1 };
-        self.at_all_curves(&best, least)
-            .into_iter()
-            .for_each(|own| pool.add(own, self.judge));
-        !pool.best(self.judge).is_like(&best)
+        self.learn_at_curves(pool, &best, least)
     }
 
     /// Puts a learned law in the place of several named ones of a slot before there is a further effect, even where a parameter
     /// of these is at the end of its range: they may be parts of one curve. Returns whether there is a better explanation.
-    pub fn joined_by_curve(&self, pool: &mut Pool) -> bool {
-        let best = pool.best(self.judge).clone();
+    pub fn join_in_curve(&self, pool: &mut Pool) -> bool {
         let highest = pool.of_highest_evidence(self.judge).clone();
-        if self.problem.is_cut() || highest.terms() < 2 || !pool.mark_joined(&highest) {
-            return false;
-        }
-        self.at_all_curves(&highest, 2)
-            .into_iter()
-            .for_each(|own| pool.add(own, self.judge));
-        !pool.best(self.judge).is_like(&best)
+        self.learn_at_curves(pool, &highest, 2)
     }
 
-    /// An explanation with learned laws in the place of its named ones, where these are at least so many of a slot.
-    fn at_all_curves(&self, own: &Explanation, least: usize) -> Vec<Explanation> {
+    /// Adds learned laws in the place of the named ones of an explanation that are at least so many of a slot; once for each
+    /// structure.
+    fn learn_at_curves(&self, pool: &mut Pool, own: &Explanation, least: usize) -> bool {
+        if self.problem.is_cut() || own.terms() < least || !pool.mark_learned_from(own, least) {
+            return false;
+        }
+        let best = pool.best(self.judge).clone();
         let learned = candidates(self.problem, Table::Learned).into_par_iter();
         let starts = learned.flat_map_iter(|law| self.at_curves(own, law, least));
-        starts.map(|point| self.refitted(&point)).collect()
+        let found: Vec<Explanation> = starts.map(|point| self.refitted(&point)).collect();
+        found.into_iter().for_each(|own| pool.add(own, self.judge));
+        !pool.best(self.judge).is_like(&best)
     }
 
     /// An explanation with a learned law, at each of its resolutions, in the place of all its named laws of the same slot, if

@@ -29,10 +29,8 @@ struct Entry {
     thinned: bool,
     /// Whether it was fitted again from the optimum of all rows.
     from_all: bool,
-    /// Whether learned laws were begun at the curves of its named ones.
-    learned_from: bool,
-    /// Whether they were begun where several of these are in one slot.
-    joined: bool,
+    /// Fewest named laws of a slot at whose curves learned ones were begun.
+    learned_from: usize,
 }
 
 impl Entry {
@@ -41,8 +39,7 @@ impl Entry {
             own,
             thinned: false,
             from_all: false,
-            learned_from: false,
-            joined: false,
+            learned_from: usize::MAX,
         }
     }
 }
@@ -106,18 +103,12 @@ impl Pool {
         all.any(|entry| entry.own.is_like(own))
     }
 
-    /// Marks a structure as one at whose named laws learned ones begin; returns whether it was not marked before.
-    pub fn mark_learned_from(&mut self, own: &Explanation) -> bool {
+    /// Marks a structure as one in which learned laws were begun at the curves of at least so many named ones of a slot; returns
+    /// whether it was not marked before.
+    pub fn mark_learned_from(&mut self, own: &Explanation, least: usize) -> bool {
         let mut entries = self.all.iter_mut();
-        let entry = entries.find(|entry| entry.own.is_like(own));
-        entry.is_some_and(|entry| !std::mem::replace(&mut entry.learned_from, true))
-    }
-
-    /// Marks a structure as one in which several laws of a slot were joined; returns whether it was not marked before.
-    pub fn mark_joined(&mut self, own: &Explanation) -> bool {
-        let mut entries = self.all.iter_mut();
-        let entry = entries.find(|entry| entry.own.is_like(own));
-        entry.is_some_and(|entry| !std::mem::replace(&mut entry.joined, true))
+        let entry = entries.find(|entry| entry.own.is_like(own) && entry.learned_from > least);
+        entry.map(|entry| entry.learned_from = least).is_some()
     }
 
     /// The explanation of the highest evidence, even with a parameter at the end of its range.
@@ -154,7 +145,6 @@ impl Pool {
                 thinned: entry.thinned && !own.is_meaningless,
                 from_all: entry.from_all,
                 learned_from: entry.learned_from,
-                joined: entry.joined,
                 own,
             }
         };
@@ -212,10 +202,7 @@ impl Pool {
     /// The next explanation of several effects to fit again without each of them: the one of the highest evidence, even with a
     /// parameter at the end of its range, then the best. It is marked, so that each is answered once.
     pub fn next_to_thin_out(&mut self, judge: &Judge) -> Option<Explanation> {
-        let ranked = self.ranked(self.temperature(judge));
-        let highest = ranked.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-        let both = highest.into_iter().chain(ranked.first());
-        let both: Vec<Explanation> = both.map(|own| own.0.clone()).collect();
+        let both = [self.of_highest_evidence(judge), self.best(judge)].map(Clone::clone);
         let is_next = |entry: &Entry, own: &Explanation| !entry.thinned && entry.own.is_like(own);
         let mut several = both.into_iter().filter(|own| own.terms() > 1);
         let entries = &mut self.all;
