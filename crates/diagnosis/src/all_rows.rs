@@ -92,7 +92,7 @@ impl<'a> Search<'a> {
             let again: Vec<Explanation> = again.collect();
             for (own, from) in again.into_iter().zip(&contradicted) {
                 self.log(&own, from, temperature);
-                pool.add(own, self.judge);
+                pool.add(own);
             }
         }
     }

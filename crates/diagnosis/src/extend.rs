@@ -112,9 +112,7 @@ impl Search<'_> {
         let known = self.known.points.par_iter();
         let known = known.filter(|_| !self.problem.is_cut());
         let recalled: Vec<Explanation> = known.map(again).collect();
-        recalled
-            .into_iter()
-            .for_each(|own| pool.add(own, self.judge));
+        recalled.into_iter().for_each(|own| pool.add(own));
     }
 
     /// Logs a candidate of the search, for debugging.

@@ -155,7 +155,7 @@ impl Search<'_> {
             let known = pool.like(&point).cloned();
             let known = known.unwrap_or_else(|| {
                 let next = self.refitted(&point);
-                pool.add(next.clone(), self.judge);
+                pool.add(next.clone());
                 next
             });
             ablated.push(known);

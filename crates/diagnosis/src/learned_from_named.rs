@@ -41,7 +41,7 @@ impl Search<'_> {
         let learned = candidates(self.problem, Table::Learned).into_par_iter();
         let starts = learned.flat_map_iter(|law| self.at_curves(own, law, least));
         let found: Vec<Explanation> = starts.map(|point| self.refitted(&point)).collect();
-        found.into_iter().for_each(|own| pool.add(own, self.judge));
+        found.into_iter().for_each(|own| pool.add(own));
         !pool.best(self.judge).is_like(&best)
     }
 

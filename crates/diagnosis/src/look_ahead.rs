@@ -37,9 +37,7 @@ impl Search<'_> {
     fn search_ahead(&self, pool: &mut Pool, ahead: &mut Pool) {
         let best = Some(pool.best(self.judge)).filter(|own| own.terms() > 0 && !own.is_learned());
         for own in std::iter::once(pool.baseline()).chain(best) {
-            self.pairs(own)
-                .into_iter()
-                .for_each(|pair| ahead.add(pair, self.judge));
+            self.pairs(own).into_iter().for_each(|pair| ahead.add(pair));
         }
         for count in 1..MOST_EFFECTS {
             let own = ahead.most_likely(count);

@@ -30,7 +30,7 @@ impl Search<'_> {
         let starts: Vec<Point> = starts.filter(|point| pool.like(point).is_none()).collect();
         let fitted = starts.into_par_iter().map(|point| self.refitted(&point));
         for next in fitted.collect::<Vec<_>>() {
-            pool.add(next, self.judge);
+            pool.add(next);
         }
         !pool.best(self.judge).is_like(&best)
     }

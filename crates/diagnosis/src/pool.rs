@@ -1,4 +1,4 @@
-//! The explanations of a search, one for each structure, with their evidence.
+//! The explanations of a search, one for each structure and resolution of its curves, with their evidence.
 
 use super::evidence::CALIBRATED;
 use super::explanation::Explanation;
@@ -69,24 +69,19 @@ impl Pool {
         }
     }
 
-    /// Adds an explanation, unless the pool has the same structure with a fit that is as likely, were only noise left. The
-    /// fitted rows alone do not say which of two fits is better: a law that hardly acts in them is told by the held-out rows.
-    /// Of two resolutions of a curve the finer one follows an error of the other laws, too: what counts is how likely they are
-    /// at the temperature of the pool.
-    pub fn add(&mut self, next: Explanation, judge: &Judge) {
-        let known = self.all.iter().position(|entry| entry.own.is_like(&next));
-        let Some(known) = known else {
-            return self.all.push(Entry::new(next));
-        };
-        let own = &self.all[known].own;
-        let temperature = match own.resolution() == next.resolution() {
-            true => CALIBRATED,
-            false => self.temperature(judge),
-        };
-        if next.log_evidence(temperature) > own.log_evidence(temperature) {
-            let entry = &mut self.all[known];
-            entry.own = next;
-            entry.thinned = false;
+    /// Adds an explanation, unless the pool has the same structure, as fine, with a fit that is as likely, were only noise left.
+    /// The fitted rows alone do not say which of two fits is better: a law that hardly acts in them is told by the held-out rows.
+    pub fn add(&mut self, next: Explanation) {
+        let odds = |own: &Explanation| own.log_evidence(CALIBRATED);
+        let is_same =
+            |own: &Explanation| own.is_like(&next) && own.resolution() == next.resolution();
+        match self.all.iter_mut().find(|entry| is_same(&entry.own)) {
+            Some(entry) if odds(&next) > odds(&entry.own) => {
+                entry.own = next;
+                entry.thinned = false;
+            }
+            Some(_) => {}
+            None => self.all.push(Entry::new(next)),
         }
     }
 
@@ -135,9 +130,8 @@ impl Pool {
         let ranked = self.ranked(self.temperature(judge));
         let first = ranked.iter().take(kept);
         let first: Vec<&Explanation> = first.map(|own| own.0).collect();
-        let is_kept = |own: &Explanation| {
-            own.terms() == 0 || first.iter().any(|other| std::ptr::eq(*other, own))
-        };
+        let is_kept =
+            |own: &Explanation| own.terms() == 0 || first.iter().any(|other| other.is_like(own));
         let entry = |entry: &Entry| {
             let own = refit(&entry.own);
             Entry {
@@ -157,10 +151,12 @@ impl Pool {
         }
     }
 
-    /// The explanation that has the structure of a point.
+    /// The explanation that has the structure of a point, at the likeliest resolution were only noise left.
     pub fn like(&self, point: &Point) -> Option<&Explanation> {
-        let mut all = self.all.iter().map(|entry| &entry.own);
-        all.find(|own| own.has_structure_of(point))
+        let all = self.all.iter().map(|entry| &entry.own);
+        let odds = |own: &Explanation| own.log_evidence(CALIBRATED);
+        all.filter(|own| own.has_structure_of(point))
+            .max_by(|a, b| odds(a).total_cmp(&odds(b)))
     }
 
     /// The model as it was given, refitted.
@@ -261,8 +257,8 @@ impl Pool {
         noise.min_by_key(order).unwrap_or(self.least())
     }
 
-    /// All explanations with their log marginal likelihoods, the most probable first. Those with a parameter that says
-    /// nothing come last.
+    /// All structures, each at its likeliest resolution, with their log marginal likelihoods, the most probable first. Those with
+    /// a parameter that says nothing come last.
     pub fn ranked(&self, temperature: f64) -> Vec<(&Explanation, f64)> {
         let scored = |entry: &'_ Entry| entry.own.log_evidence(temperature);
         let mut ranked: Vec<(&Explanation, f64)> = self
@@ -272,6 +268,12 @@ impl Pool {
             .collect();
         let order = |own: &(&Explanation, f64)| (own.0.is_meaningless, -own.1);
         ranked.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(Ordering::Equal));
+        let mut learned: Vec<&Explanation> = Vec::new();
+        ranked.retain(|(own, _)| {
+            let is_first = !own.is_learned() || !learned.iter().any(|other| other.is_like(own));
+            learned.extend(own.is_learned().then_some(*own));
+            is_first
+        });
         ranked
     }
 }

@@ -99,9 +99,7 @@ impl Search<'_> {
     pub fn add_extended(&self, pool: &mut Pool, own: &Explanation, table: Table) {
         if !self.problem.is_cut() {
             let children = self.extend(own, table, pool);
-            children
-                .into_iter()
-                .for_each(|child| pool.add(child, self.judge));
+            children.into_iter().for_each(|child| pool.add(child));
         }
         pool.mark(own, table);
     }
@@ -161,10 +159,8 @@ impl Search<'_> {
             });
             let simpler = simpler.chain(self.problem.simpler(point));
             let simpler: Vec<Explanation> = simpler.map(|point| self.refitted(&point)).collect();
-            simpler
-                .into_iter()
-                .for_each(|next| pool.add(next, self.judge));
-            pool.add(self.in_full(own, |_| true), self.judge);
+            simpler.into_iter().for_each(|next| pool.add(next));
+            pool.add(self.in_full(own, |_| true));
         }
     }
 
@@ -213,7 +209,7 @@ impl Search<'_> {
             }
             None => {
                 let fitted = self.refitted(part);
-                pool.add(fitted.clone(), self.judge);
+                pool.add(fitted.clone());
                 fitted
             }
         };
