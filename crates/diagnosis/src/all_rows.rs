@@ -5,13 +5,18 @@
 //! the held-out rows alone contradict where it is. Somewhere else they may not. The marginal likelihood of the whole recording
 //! is that of the best of these places.
 
+use super::candidate::Known;
 use super::explanation::Explanation;
+use super::judge::Judge;
+use super::long_steps::searched_in_long_steps;
+use super::outcome::Progress;
 use super::point::Point;
 use super::pool::Pool;
 use super::problem::Problem;
 use super::projector::Projector;
 use super::screen::Screen;
 use super::search::Search;
+use super::settled::settled;
 use super::split::{self, HeldOut};
 use super::thresholds::{BEAM, LONG, SECOND, least_credible};
 use rayon::prelude::*;
@@ -22,6 +27,51 @@ pub struct AllRows<'a> {
     pub problem: Problem<'a>,
     /// Projects its linear nuisances out.
     pub projector: Projector,
+}
+
+/// A search.
+pub fn searched(
+    problem: &mut Problem,
+    projector: &mut Projector,
+    judge: &mut Judge,
+    baseline: Explanation,
+    told: (&Known, Progress),
+) -> Pool {
+    let pool = searched_in_long_steps(problem, projector, judge, &baseline, told);
+    let pool = pool.unwrap_or_else(|| Pool::new(baseline));
+    settled(problem, projector, judge, pool, told)
+}
+
+/// A search in all rows.
+pub fn searched_in_all_rows(
+    problem: &mut Problem,
+    projector: &mut Projector,
+    judge: &mut Judge,
+    baseline: &Explanation,
+    told: (&Known, Progress),
+) -> Option<Pool> {
+    if judge.data.judged_by != HeldOut::Stretches {
+        return None;
+    }
+    let mut all = judge.data.with_all_rows();
+    all.judged_by = HeldOut::Recordings;
+    let AllRows {
+        problem: mut own,
+        projector: mut whole,
+    } = AllRows::of(problem);
+    let point = &baseline.fitted.point;
+    let mut other = Judge::new(judge.model, &all, &own, point);
+    let fitted = own.fit(point, &whole, LONG);
+    let first = other.judge(&own, &whole, fitted);
+    let pool = searched(&mut own, &mut whole, &mut other, first, told);
+    problem.sensor_noise = own.sensor_noise;
+    (problem.noise, problem.whitening) = (own.noise, own.whitening);
+    problem.rounding_at_rest = own.rounding_at_rest;
+    *projector = Projector::new(problem);
+    Some(match problem.is_cut() {
+        true => pool,
+        false => super::settled::search(problem, projector, judge, told).fitted_again(&pool),
+    })
 }
 
 impl<'a> AllRows<'a> {

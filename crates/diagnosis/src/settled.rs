@@ -93,16 +93,7 @@ impl Search<'_> {
     /// The most probable explanations of a pool, fitted again and thinned out again: parameters may have reached the end of their
     /// range.
     pub fn fitted_again(&self, pool: &Pool) -> Pool {
-        let rival = self.cost_of_best(pool);
-        let mut again = pool.map(self.judge, KEPT, |own| {
-            let (problem, projector) = (self.problem, self.projector);
-            let mut descent = Descent::new(problem, projector, &own.fitted.point, None);
-            descent.run(LONG);
-            if descent.winds() {
-                descent.hop(rival);
-            }
-            self.judge.judge(problem, projector, descent.end())
-        });
+        let mut again = pool.map(self.judge, KEPT, |own| self.refitted(&own.fitted.point));
         self.thin_out(&mut again);
         again
     }
