@@ -1,6 +1,6 @@
 //! One investigation, from experiments to a diagnosis.
 
-use super::all_rows::{searched, searched_in_all_rows};
+use super::all_rows::searched;
 use super::baseline::problem;
 use super::better_model::better_model;
 use super::candidate::Known;
@@ -133,11 +133,7 @@ fn investigate(
         Some(_) => Pool::new(baseline),
         None => {
             let own = (&mut problem, &mut projector);
-            let pool = searched_in_all_rows(own.0, own.1, &mut judge, &baseline, told);
-            pool.unwrap_or_else(|| {
-                let own = (&mut problem, &mut projector);
-                searched(own.0, own.1, &mut judge, baseline, told)
-            })
+            searched(own.0, own.1, &mut judge, baseline, told)
         }
     };
     let cut = problem.is_cut();

@@ -63,6 +63,25 @@ pub fn finished(
     search(problem, projector, judge, told).converged(pool)
 }
 
+/// The explanations of another problem over the same recordings, fitted again to this one with the noise that they leave.
+pub fn fitted_to(
+    (problem, projector): (&mut Problem, &mut Projector),
+    judge: &Judge,
+    (own, pool): (&Problem, Pool),
+    told: (&Known, Progress),
+) -> Pool {
+    problem.sensor_noise.clone_from(&own.sensor_noise);
+    problem.noise.clone_from(&own.noise);
+    problem.whitening.clone_from(&own.whitening);
+    problem.rounding_at_rest = own.rounding_at_rest.clone();
+    *projector = Projector::new(problem);
+    match problem.is_cut() {
+        // It is fitted again where the search ends.
+        true => pool,
+        false => search(problem, projector, judge, told).fitted_again(&pool),
+    }
+}
+
 /// The explanations, fitted again if the residual of the best one shows another noise.
 fn with_noise_of_best(
     problem: &mut Problem,
