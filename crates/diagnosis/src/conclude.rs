@@ -125,7 +125,7 @@ fn concluded(
         .iter()
         .fold(0.0, |most: f64, y| most.max(y.abs()));
     diagnosis.summary = summary(
-        (search, found),
+        (search, found, whole.leaves_noise(last_best)),
         &diagnosis,
         diagnosis.fit.shown(motion * output.scale),
         scale.as_ref(),

@@ -8,9 +8,10 @@ use super::tracker_scale::TrackerScale;
 use quell_model::effects::Catalogue;
 use quell_recording::Preferred;
 
-/// The verdict in one sentence; residuals are in the unit `shown`.
+/// The verdict in one sentence; residuals are in the unit `shown`. `fits_all` is whether the best explanation, fitted to all
+/// rows, leaves only noise.
 pub fn summary(
-    (search, found): (&Search, &Found),
+    (search, found, fits_all): (&Search, &Found, bool),
     diagnosis: &Diagnosis,
     shown: Preferred,
     scale: Option<&TrackerScale>,
@@ -54,6 +55,11 @@ pub fn summary(
         }
         Verdict::Named => format!("The model lacks {}: {change}.", names()),
         Verdict::Ambiguous => ambiguous(diagnosis, catalogue, &change),
+        Verdict::PartlyExplained if fits_all => format!(
+            "The model lacks something like {}. Fitted to the whole recording it leaves only noise, but it is not confirmed \
+             by what it was not fitted to: {change}.",
+            names()
+        ),
         Verdict::PartlyExplained => format!(
             "The model lacks something like {}, but that is not all: {change}.",
             names()
