@@ -60,7 +60,7 @@ pub fn finished(
     if measured_again(problem, judge, &best.point) {
         *projector = Projector::new(problem);
     }
-    search(problem, projector, judge, told).converged(pool)
+    search(problem, projector, judge, told).converged(pool, &best.point)
 }
 
 /// The explanations of another problem over the same recordings, fitted again to this one with the noise that they leave.
@@ -117,21 +117,19 @@ impl Search<'_> {
         again
     }
 
-    /// The most probable explanations of a pool, each fitted from where its fit was left as long as it may reach the best one.
-    fn converged(&self, pool: &Pool) -> Pool {
-        let rival = self.cost_of_best(pool);
+    /// The most probable explanations of a pool, each fitted from where its fit was left as long as it may reach the best one,
+    /// which was fitted before to a point.
+    fn converged(&self, pool: &Pool, best: &Point) -> Pool {
+        let best = self.refitted(best);
         pool.map(self.judge, KEPT_AT_A_CUT, |own| {
+            if own.is_same(&best) {
+                return best.clone();
+            }
             let mut descent = Descent::new(self.problem, self.projector, &own.fitted.point, None);
-            descent.run_against(LONG, rival);
+            descent.run_against(LONG, best.fitted.cost);
             self.judge
                 .judge(self.problem, self.projector, descent.end())
         })
-    }
-
-    /// Cost of the best explanation of a pool with the present noise and steps.
-    fn cost_of_best(&self, pool: &Pool) -> f64 {
-        let best = &pool.best(self.judge).fitted.point;
-        self.problem.fit(best, self.projector, LONG).cost
     }
 }
 
