@@ -70,7 +70,7 @@ impl Pool {
     /// The fitted rows alone do not say which of two fits is better: a law that hardly acts in them is told by the held-out rows.
     pub fn add(&mut self, next: Explanation) {
         let odds = |own: &Explanation| own.log_evidence(CALIBRATED);
-        match self.all.iter_mut().find(|own| own.own.is_same(&next)) {
+        match self.all.iter_mut().find(|entry| entry.own.is_same(&next)) {
             Some(entry) if odds(&next) > odds(&entry.own) => {
                 entry.own = next;
                 entry.thinned = false;

@@ -131,10 +131,7 @@ fn investigate(
     let mut pool = match unresonant {
         // There is no mode whose physics could be searched.
         Some(_) => Pool::new(baseline),
-        None => {
-            let own = (&mut problem, &mut projector);
-            searched(own.0, own.1, &mut judge, baseline, told)
-        }
+        None => searched(&mut problem, &mut projector, &mut judge, baseline, told),
     };
     let cut = problem.is_cut();
     // What is told is fitted to its end.
