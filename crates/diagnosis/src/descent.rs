@@ -122,10 +122,10 @@ impl<'a> Descent<'a> {
         self.problem.is_cut()
     }
 
-    /// Whether the misfit has many minima over the size of an added effect.
+    /// Whether the misfit has many minima over the size of the last effect.
     pub fn winds(&self) -> bool {
-        let mut added = self.point.terms[self.point.given_terms..].iter();
-        added.any(|term| term.effect.has_many_minima())
+        let last = self.point.terms.last();
+        last.is_some_and(|term| term.effect.has_many_minima())
     }
 
     /// The normal matrix at the present point.

@@ -24,6 +24,9 @@ impl Search<'_> {
             return explanation;
         }
         let temperature = CALIBRATED * self.judge.unit(&explanation);
+        // What happens between two fitted stretches is seen in the held-out ones only.
+        let whole = self.all_rows();
+        let all = whole.as_ref().map_or(*self, |own| own.search(self));
         let mut best = explanation.clone();
         let mut known = None;
         for starts in occasions {
@@ -34,10 +37,11 @@ impl Search<'_> {
             if self.is_there(point, &starts[0]) {
                 continue;
             }
-            let slopes = known.get_or_insert_with(|| self.problem.linearise(point, self.projector));
-            let Some(sized) = self.sized(point, &starts, slopes, temperature) else {
+            let slopes = known.get_or_insert_with(|| all.problem.linearise(point, all.projector));
+            let Some(sized) = all.sized(point, &starts, slopes, temperature) else {
                 continue;
             };
+            let sized = all.problem.fit(&sized, all.projector, SHORT).point;
             let fitted = self.problem.fit(&sized, self.projector, SHORT);
             let next = self.judge.judge(self.problem, self.projector, fitted);
             if next.log_evidence(temperature) > best.log_evidence(temperature) {

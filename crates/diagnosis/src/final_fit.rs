@@ -7,7 +7,6 @@
 //! Source: Hastie, Tibshirani and Friedman, The Elements of Statistical Learning (2009), section 7.10.1: the model that
 //! held-out data chose is fitted to all data.
 
-use super::all_rows::AllRows;
 use super::explanation::Explanation;
 use super::found::Found;
 use super::judge::Judge;
@@ -22,14 +21,16 @@ pub fn with_final_fit<T>(
     enough: &Stop,
     then: impl FnOnce(&Search, [&Explanation; 2]) -> T,
 ) -> T {
-    let all = AllRows::of(search.problem, search.judge);
-    let Some(all) = all.filter(|_| !enough.now()) else {
+    let Some(all) = search.all_rows().filter(|_| !enough.now()) else {
         return then(search, [&found.baseline, &found.best]);
     };
     let data = search.judge.data.with_all_rows();
     let start = &found.baseline.fitted.point;
     let judge = Judge::new(search.judge.model, &data, &all.problem, start);
-    let whole = all.search(search, &judge);
+    let whole = Search {
+        judge: &judge,
+        ..all.search(search)
+    };
     let baseline = whole.refitted(start);
     let best = (found.best.terms() > 0).then(|| whole.refitted(&found.best.fitted.point));
     then(&whole, [&baseline, best.as_ref().unwrap_or(&baseline)])

@@ -25,7 +25,7 @@ impl Search<'_> {
         // Where a mismatch is left, its size and correlation say what a further parameter is worth.
         let temperature = CALIBRATED * self.judge.unit(&own) * own.evidence.correlation();
         let log = |own: &Explanation| own.log_evidence(temperature);
-        let all = self.refitted(all);
+        let all = self.fitted_to_all_rows(all);
         if log(&all) <= log(&own) {
             return own;
         }
@@ -34,7 +34,7 @@ impl Search<'_> {
             let worse = next.missed(temperature) - own.missed(temperature);
             next.at_end.is_none() && log(next) > log(&own) && worse <= BARE_MENTION
         };
-        let parts = parts.iter().map(|point| self.refitted(point));
+        let parts = parts.iter().map(|point| self.fitted_to_all_rows(point));
         let known = parts.chain([all]).filter(holds);
         let best = known.max_by(|a, b| log(a).total_cmp(&log(b)));
         best.unwrap_or(own)

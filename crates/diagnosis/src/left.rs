@@ -31,6 +31,12 @@ impl Judge<'_> {
     pub fn fits_to_noise(&self, own: &Explanation) -> bool {
         own.evidence.left() <= most_of_noise(self.train_rows)
     }
+
+    /// Chi-squared that an explanation leaves of the held-out rows, beyond the errors of its fit and beyond what it leaves of as
+    /// many fitted ones.
+    pub fn contradiction(&self, own: &Explanation) -> f64 {
+        own.evidence.held_out_beyond_fit() - self.unit(own) * self.held_out_rows as f64
+    }
 }
 
 impl Search<'_> {

@@ -16,7 +16,7 @@ use super::point::Point;
 use super::pool::Pool;
 use super::problem::Problem;
 use super::projector::{Projector, orthonormal};
-use super::settled::{fitted_to, settled};
+use super::settled::{search, settled};
 use super::thresholds::LONG;
 use nalgebra::DMatrix;
 use quell_model::Experiment;
@@ -47,8 +47,15 @@ pub fn searched_in_long_steps(
     let fitted = own.fit(point, projector, LONG);
     let first = other.judge(&own, projector, fitted);
     let pool = settled(&mut own, projector, &mut other, Pool::new(first), told);
+    problem.sensor_noise = own.sensor_noise;
+    (problem.noise, problem.whitening) = (own.noise, own.whitening);
+    problem.rounding_at_rest = own.rounding_at_rest;
     judge.rounding_apart = other.rounding_apart;
-    Some(fitted_to((problem, projector), judge, (&own, pool), told))
+    Some(match problem.is_cut() {
+        // It is fitted again where the search ends.
+        true => pool,
+        false => search(problem, projector, judge, told).fitted_again(&pool),
+    })
 }
 
 /// Whether the error of long steps, beyond what the model's keys compensate, is too small for the sensors.

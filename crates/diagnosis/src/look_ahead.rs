@@ -57,7 +57,7 @@ impl Search<'_> {
             let mut next = named.iter().cloned().chain(ahead.most_likely_learned());
             if next.any(|own| self.judge.fits_to_noise(&own)) {
                 // Nothing of the fitted rows is left in which a further effect could show.
-                return;
+                return self.refit_contradicted(ahead, |_| CALIBRATED);
             }
             if named.first().map(score) <= own.first().map(score) {
                 return;

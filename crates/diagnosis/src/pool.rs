@@ -27,6 +27,8 @@ struct Entry {
     own: Explanation,
     /// Whether it was fitted again without each of its effects.
     thinned: bool,
+    /// Whether it was fitted again from the optimum of all rows.
+    from_all: bool,
     /// Fewest named laws of a slot at whose curves learned ones were begun.
     learned_from: usize,
 }
@@ -36,6 +38,7 @@ impl Entry {
         Self {
             own,
             thinned: false,
+            from_all: false,
             learned_from: usize::MAX,
         }
     }
@@ -70,7 +73,9 @@ impl Pool {
     /// The fitted rows alone do not say which of two fits is better: a law that hardly acts in them is told by the held-out rows.
     pub fn add(&mut self, next: Explanation) {
         let odds = |own: &Explanation| own.log_evidence(CALIBRATED);
-        match self.all.iter_mut().find(|entry| entry.own.is_same(&next)) {
+        let is_same =
+            |own: &Explanation| own.is_like(&next) && own.resolution() == next.resolution();
+        match self.all.iter_mut().find(|entry| is_same(&entry.own)) {
             Some(entry) if odds(&next) > odds(&entry.own) => {
                 entry.own = next;
                 entry.thinned = false;
@@ -80,11 +85,24 @@ impl Pool {
         }
     }
 
+    /// Marks structures as fitted again from the optimum of all rows.
+    pub fn mark_fitted_to_all(&mut self, each: &[Explanation]) {
+        for entry in &mut self.all {
+            entry.from_all |= each.iter().any(|own| entry.own.is_like(own));
+        }
+    }
+
+    /// Whether a structure was fitted again from the optimum of all rows.
+    pub fn is_fitted_to_all(&self, own: &Explanation) -> bool {
+        let mut all = self.all.iter().filter(|entry| entry.from_all);
+        all.any(|entry| entry.own.is_like(own))
+    }
+
     /// Marks a structure as one in which learned laws were begun at the curves of at least so many named ones of a slot; returns
     /// whether it was not marked before.
     pub fn mark_learned_from(&mut self, own: &Explanation, least: usize) -> bool {
         let mut entries = self.all.iter_mut();
-        let entry = entries.find(|entry| entry.own.is_same(own) && entry.learned_from > least);
+        let entry = entries.find(|entry| entry.own.is_like(own) && entry.learned_from > least);
         entry.map(|entry| entry.learned_from = least).is_some()
     }
 
@@ -119,6 +137,7 @@ impl Pool {
             Entry {
                 // A parameter may have reached the end of its range, and the structures without its effect may not be kept.
                 thinned: entry.thinned && !own.is_meaningless,
+                from_all: entry.from_all,
                 learned_from: entry.learned_from,
                 own,
             }
@@ -180,7 +199,7 @@ impl Pool {
     /// parameter at the end of its range, then the best. It is marked, so that each is answered once.
     pub fn next_to_thin_out(&mut self, judge: &Judge) -> Option<Explanation> {
         let both = [self.of_highest_evidence(judge), self.best(judge)].map(Clone::clone);
-        let is_next = |entry: &Entry, own: &Explanation| !entry.thinned && entry.own.is_same(own);
+        let is_next = |entry: &Entry, own: &Explanation| !entry.thinned && entry.own.is_like(own);
         let mut several = both.into_iter().filter(|own| own.terms() > 1);
         let entries = &mut self.all;
         several.find(|own| {

@@ -1,6 +1,5 @@
 //! One investigation, from experiments to a diagnosis.
 
-use super::all_rows::searched;
 use super::baseline::problem;
 use super::better_model::better_model;
 use super::candidate::Known;
@@ -12,6 +11,7 @@ use super::error::DiagnosisError;
 use super::excitation::{NoResonance, Untold};
 use super::explanation::Explanation;
 use super::judge::Judge;
+use super::long_steps::searched_in_long_steps;
 use super::next_move::{Late, next_move};
 use super::outcome::{Options, Outcome, Progress};
 use super::point::Point;
@@ -19,7 +19,7 @@ use super::pool::Pool;
 use super::refitted::baseline;
 use super::remarks::{of_fit, of_outputs, recorded};
 use super::scores::Recordings;
-use super::settled::{finished, search};
+use super::settled::{finished, search, settled};
 use super::stop::Stop;
 use super::units::units;
 use quell_model::{Experiment, Model};
@@ -131,7 +131,12 @@ fn investigate(
     let mut pool = match unresonant {
         // There is no mode whose physics could be searched.
         Some(_) => Pool::new(baseline),
-        None => searched(&mut problem, &mut projector, &mut judge, baseline, told),
+        None => {
+            let own = (&mut problem, &mut projector);
+            let pool = searched_in_long_steps(own.0, own.1, &mut judge, &baseline, told);
+            let pool = pool.unwrap_or_else(|| Pool::new(baseline));
+            settled(&mut problem, &mut projector, &mut judge, pool, told)
+        }
     };
     let cut = problem.is_cut();
     // What is told is fitted to its end.

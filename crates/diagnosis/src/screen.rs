@@ -43,7 +43,7 @@ pub struct Start {
 }
 
 /// Factor on a size at which it is tried again.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum Factor {
     /// The change is larger than the residual, and so not linear in the size: the ratio of their lengths.
     Smaller(f64),
@@ -235,7 +235,7 @@ impl<'a> Screen<'a> {
     }
 
     /// The best sizes of one candidate.
-    fn sizes(&self, effect: &'static Effect, place: Place, each: usize) -> Vec<Start> {
+    pub fn sizes(&self, effect: &'static Effect, place: Place, each: usize) -> Vec<Start> {
         let start = |term: Term| {
             let (score, factor) = self.score(&self.point.with(term.clone()));
             Start {

@@ -43,7 +43,7 @@ impl Search<'_> {
     /// first: before their structures are complete, learned laws would outrank them.
     pub fn run(&self, pool: &mut Pool) {
         loop {
-            while self.join_in_curve(pool) || self.grow(pool, 1) {}
+            while self.fit_to_all_rows(pool) || self.join_in_curve(pool) || self.grow(pool, 1) {}
             if self.exchange(pool) {
                 continue;
             }

@@ -63,25 +63,6 @@ pub fn finished(
     search(problem, projector, judge, told).converged(pool, &best.point)
 }
 
-/// The explanations of another problem over the same recordings, fitted again to this one with the noise that they leave.
-pub fn fitted_to(
-    (problem, projector): (&mut Problem, &mut Projector),
-    judge: &Judge,
-    (own, pool): (&Problem, Pool),
-    told: (&Known, Progress),
-) -> Pool {
-    problem.sensor_noise.clone_from(&own.sensor_noise);
-    problem.noise.clone_from(&own.noise);
-    problem.whitening.clone_from(&own.whitening);
-    problem.rounding_at_rest = own.rounding_at_rest.clone();
-    *projector = Projector::new(problem);
-    match problem.is_cut() {
-        // It is fitted again where the search ends.
-        true => pool,
-        false => search(problem, projector, judge, told).fitted_again(&pool),
-    }
-}
-
 /// The explanations, fitted again if the residual of the best one shows another noise.
 fn with_noise_of_best(
     problem: &mut Problem,
@@ -112,7 +93,17 @@ impl Search<'_> {
     /// The most probable explanations of a pool, fitted again and thinned out again: parameters may have reached the end of their
     /// range.
     pub fn fitted_again(&self, pool: &Pool) -> Pool {
-        let mut again = pool.map(self.judge, KEPT, |own| self.refitted(&own.fitted.point));
+        let best = &pool.best(self.judge).fitted.point;
+        let rival = self.problem.fit(best, self.projector, LONG).cost;
+        let mut again = pool.map(self.judge, KEPT, |own| {
+            let (problem, projector) = (self.problem, self.projector);
+            let mut descent = Descent::new(problem, projector, &own.fitted.point, None);
+            descent.run(LONG);
+            if descent.winds() {
+                descent.hop(rival);
+            }
+            self.judge.judge(problem, projector, descent.end())
+        });
         self.thin_out(&mut again);
         again
     }
@@ -122,7 +113,7 @@ impl Search<'_> {
     fn converged(&self, pool: &Pool, best: &Point) -> Pool {
         let best = self.refitted(best);
         pool.map(self.judge, KEPT_AT_A_CUT, |own| {
-            if own.is_same(&best) {
+            if own.is_like(&best) && own.resolution() == best.resolution() {
                 return best.clone();
             }
             let mut descent = Descent::new(self.problem, self.projector, &own.fitted.point, None);

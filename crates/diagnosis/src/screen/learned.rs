@@ -25,6 +25,11 @@ pub(super) struct Curve {
 }
 
 impl Screen<'_> {
+    /// The likeliest curve of one learned law.
+    pub fn learned(&self, effect: &'static Effect, place: Place) -> Vec<Start> {
+        self.told_apart(self.curves(effect, place))
+    }
+
     /// A learned law in first order, at each of its resolutions and in each recording that has its own.
     pub(super) fn curves(&self, effect: &'static Effect, place: Place) -> Vec<Curve> {
         let neutral = effect.resolutions().flat_map(|own| self.starts(own, place));
