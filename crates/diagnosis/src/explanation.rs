@@ -56,6 +56,11 @@ impl Explanation {
         self.has_structure_of(&other.fitted.point)
     }
 
+    /// The same, and its learned laws are as fine.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.is_like(other) && self.resolution() == other.resolution()
+    }
+
     /// Whether a point has the same effects at the same places and as often, in any order.
     pub fn has_structure_of(&self, other: &Point) -> bool {
         self.fitted.point.structure() == other.structure()

@@ -73,9 +73,7 @@ impl Pool {
     /// The fitted rows alone do not say which of two fits is better: a law that hardly acts in them is told by the held-out rows.
     pub fn add(&mut self, next: Explanation) {
         let odds = |own: &Explanation| own.log_evidence(CALIBRATED);
-        let is_same =
-            |own: &Explanation| own.is_like(&next) && own.resolution() == next.resolution();
-        match self.all.iter_mut().find(|entry| is_same(&entry.own)) {
+        match self.all.iter_mut().find(|entry| entry.own.is_same(&next)) {
             Some(entry) if odds(&next) > odds(&entry.own) => {
                 entry.own = next;
                 entry.thinned = false;

@@ -113,7 +113,7 @@ impl Search<'_> {
     fn converged(&self, pool: &Pool, best: &Point) -> Pool {
         let best = self.refitted(best);
         pool.map(self.judge, KEPT_AT_A_CUT, |own| {
-            if own.is_like(&best) && own.resolution() == best.resolution() {
+            if own.is_same(&best) {
                 return best.clone();
             }
             let mut descent = Descent::new(self.problem, self.projector, &own.fitted.point, None);
